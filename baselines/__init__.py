@@ -1,0 +1,1 @@
+"""Deterministic references on the same waypoints and limits; found by `study` through entry points only."""

@@ -1,0 +1,65 @@
+"""Curve families: waypoints and segment durations make a motion; a whole population is evaluated in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from study.curves import bspline, cubic_spline, poly353
+from study.errors import StudyError, unknown
+from study.problem import EndCondition, Floats
+from study.trajectory import Motion, Trajectory
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One family of curves through waypoints.
+
+    Attributes
+    ----------
+    name : str
+    end : EndCondition
+        What the family guarantees at both ends.
+    peaks : callable (waypoints, durations of shape (n_candidates, n_segments)) -> (n_candidates, 3, n_joints)
+    motion : callable (waypoints, durations of shape (n_segments,)) -> Motion
+    """
+
+    name: str
+    end: EndCondition
+    peaks: Callable[[Floats, Floats], Floats]
+    motion: Callable[[Floats, Floats], Motion]
+
+
+def _polynomial_motion(unit_coefficients: Callable[[Floats, Floats], Floats]) -> Callable[[Floats, Floats], Motion]:
+    def motion(waypoints: Floats, durations: Floats) -> Motion:
+        durations = np.asarray(durations, dtype=float)
+        if durations.shape != (len(waypoints) - 1,) or not (durations > 0).all():
+            raise StudyError(
+                f"durations must be {len(waypoints) - 1} positive numbers, one for each segment, got {durations.tolist()}"
+            )
+        unit = np.moveaxis(unit_coefficients(waypoints, durations[None])[0], 1, 2)
+        powers = durations[:, None] ** np.arange(unit.shape[1])
+        return Trajectory.from_pieces(durations, unit / powers[:, :, None])
+
+    return motion
+
+
+CURVES = {
+    curve.name: curve
+    for curve in (
+        Curve("poly353", EndCondition.SMOOTH, poly353.peaks, _polynomial_motion(poly353.unit_coefficients)),
+        Curve(
+            "cubic-spline", EndCondition.REST, cubic_spline.peaks, _polynomial_motion(cubic_spline.unit_coefficients)
+        ),
+        Curve("bspline", EndCondition.FREE, bspline.peaks, bspline.trajectory),
+    )
+}
+
+
+def curve_named(name: str) -> Curve:
+    """Look a family up by name, or say which there are."""
+    if name not in CURVES:
+        raise unknown("curve", name, CURVES)
+    return CURVES[name]

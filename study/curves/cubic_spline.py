@@ -1,0 +1,78 @@
+"""The clamped cubic spline through all waypoints: zero velocity at both ends, continuous acceleration.
+
+References
+----------
+UR5 sparrow-search paper, Eqs. (8)-(11), with M the accelerations at the waypoints.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from study.problem import Floats
+
+
+def accelerations(waypoints: Floats, durations: Floats) -> Floats:
+    """Accelerations at the waypoints, by one tridiagonal sweep over all candidates at once.
+
+    Parameters
+    ----------
+    waypoints : array of shape (n_waypoints, n_joints), rad or m
+    durations : array of shape (n_candidates, n_segments), s
+
+    Returns
+    -------
+    array of shape (n_candidates, n_waypoints, n_joints), rad/s^2 or m/s^2
+    """
+    n_candidates, n_segments = durations.shape
+    h = durations[:, :, None]
+    slopes = np.diff(waypoints, axis=0) / h
+    zero = np.zeros((n_candidates, 1, waypoints.shape[1]))
+    right = 6 * np.diff(np.concatenate([zero, slopes, zero], axis=1), axis=1)
+    none = np.zeros((n_candidates, 1, 1))
+    diagonal = 2 * (np.concatenate([none, h], axis=1) + np.concatenate([h, none], axis=1))
+    for i in range(1, n_segments + 1):
+        factor = h[:, i - 1] / diagonal[:, i - 1]
+        diagonal[:, i] -= factor * h[:, i - 1]
+        right[:, i] -= factor * right[:, i - 1]
+    result = right / diagonal
+    for i in reversed(range(n_segments)):
+        result[:, i] -= h[:, i] / diagonal[:, i] * result[:, i + 1]
+    return result
+
+
+def unit_coefficients(waypoints: Floats, durations: Floats) -> Floats:
+    """Coefficients in local unit time, shape (n_candidates, n_segments, n_joints, 4), ascending powers.
+
+    Parameters
+    ----------
+    waypoints : array of shape (n_waypoints, n_joints), rad or m
+    durations : array of shape (n_candidates, n_segments), s
+    """
+    m = accelerations(waypoints, durations)
+    square = durations[:, :, None] ** 2
+    left, right = m[:, :-1] * square, m[:, 1:] * square
+    steps = np.diff(waypoints, axis=0)[None]
+    constant = np.broadcast_to(waypoints[:-1], left.shape)
+    return np.stack([constant, steps - left / 3 - right / 6, left / 2, (right - left) / 6], axis=-1)
+
+
+def peaks(waypoints: Floats, durations: Floats) -> Floats:
+    """Exact peak velocity, acceleration and jerk of every candidate, shape (n_candidates, 3, n_joints).
+
+    Acceleration is linear in each segment, so it peaks at waypoints; velocity peaks there or where acceleration is zero.
+
+    Parameters
+    ----------
+    waypoints : array of shape (n_waypoints, n_joints), rad or m
+    durations : array of shape (n_candidates, n_segments), s
+    """
+    m = accelerations(waypoints, durations)
+    h = durations[:, :, None]
+    left, right = m[:, :-1], m[:, 1:]
+    start = np.diff(waypoints, axis=0) / h - h * (2 * left + right) / 6
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turn = start + np.where(left * right < 0, h * left**2 / (2 * (left - right)), 0.0)
+    velocity = np.maximum(np.abs(start), np.abs(turn)).max(axis=1)
+    jerk = np.abs((right - left) / h).max(axis=1)
+    return np.stack([velocity, np.abs(m).max(axis=1), jerk], axis=1)

@@ -1,0 +1,18 @@
+"""The one error family: what a user can cause ends in a `StudyError` with a clear sentence."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class StudyError(Exception):
+    """A mistake the user can mend; its text says where, what was expected, what came and what would do."""
+
+
+def unknown(kind: str, name: str, known: Iterable[str]) -> StudyError:
+    """Build the error for a name that is not in a list, with the nearest names as a hint."""
+    names = sorted(known)
+    near = difflib.get_close_matches(name, names, n=1, cutoff=0.4)
+    hint = f"; did you mean {near[0]!r}?" if near else ";"
+    return StudyError(f"no {kind} {name!r}{hint} known: {', '.join(names) or 'none'}")

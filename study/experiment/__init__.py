@@ -1,0 +1,1 @@
+"""From cases and planners to stored, judged results."""

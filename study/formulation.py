@@ -1,0 +1,87 @@
+"""From segment durations to an objective value, for a whole population at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from study.curves import Curve
+from study.errors import unknown
+from study.problem import Floats, Problem
+
+
+def stretch(problem: Problem, curve: Curve, durations: Floats) -> Floats:
+    """Smallest factor on all durations that makes each candidate feasible.
+
+    Durations times k divide velocity, acceleration and jerk by k, k^2 and k^3, so
+    k = max(v/V, sqrt(a/A), cbrt(j/J)).
+
+    Parameters
+    ----------
+    problem : Problem
+    curve : Curve
+    durations : array of shape (n_candidates, n_segments), s
+
+    Returns
+    -------
+    array of shape (n_candidates,)
+        At most 1 for a candidate that is feasible as it stands.
+    """
+    ratios = curve.peaks(problem.waypoints, durations) / problem.limits.rates
+    factors = ratios.max(axis=2)
+    return np.maximum(np.maximum(factors[:, 0], np.sqrt(factors[:, 1])), np.cbrt(factors[:, 2]))
+
+
+@dataclass(frozen=True)
+class Penalty:
+    """Total time, plus a penalty where a limit is broken: the papers' form.
+
+    No paper prints its penalty. Ours adds more than any feasible total in the box, and grows with the stretch that the
+    candidate would need, so an infeasible candidate never ranks above a feasible one.
+    """
+
+    problem: Problem
+    curve: Curve
+
+    def __call__(self, durations: Floats) -> Floats:
+        """Objective of every candidate, shape (n_candidates,), s."""
+        excess = np.maximum(stretch(self.problem, self.curve, durations) - 1.0, 0.0)
+        worst = self.problem.n_segments * self.problem.duration_bounds[1]
+        return durations.sum(axis=1) + np.where(excess > 0, worst * (1.0 + excess), 0.0)
+
+    def realise(self, durations: Floats) -> Floats:
+        """Durations to drive, shape (n_candidates, n_segments), s: the candidates themselves."""
+        return durations
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """Total time after stretching every candidate until it is exactly feasible; nothing is ever infeasible."""
+
+    problem: Problem
+    curve: Curve
+
+    def _factors(self, durations: Floats) -> Floats:
+        shortest = self.problem.duration_bounds[0] / durations.min(axis=1)
+        return np.maximum(stretch(self.problem, self.curve, durations), shortest)
+
+    def __call__(self, durations: Floats) -> Floats:
+        """Objective of every candidate, shape (n_candidates,), s."""
+        return durations.sum(axis=1) * self._factors(durations)
+
+    def realise(self, durations: Floats) -> Floats:
+        """Durations to drive, shape (n_candidates, n_segments), s: the candidates, stretched or shortened."""
+        return durations * self._factors(durations)[:, None]
+
+
+Formulation = Penalty | Scaled
+FORMULATIONS: dict[str, Callable[[Problem, Curve], Formulation]] = {"penalty": Penalty, "scaled": Scaled}
+
+
+def formulation_named(name: str, problem: Problem, curve: Curve) -> Formulation:
+    """Build a formulation by name, or say which there are."""
+    if name not in FORMULATIONS:
+        raise unknown("formulation", name, FORMULATIONS)
+    return FORMULATIONS[name](problem, curve)

@@ -1,0 +1,163 @@
+"""What a planner is, what it is asked and what it answers, and the meter that counts evaluations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from study.errors import StudyError
+from study.problem import Floats, Problem
+from study.trajectory import Motion
+
+
+class Status(Enum):
+    """How a planner ended; members read as sentences."""
+
+    FINISHED = "the planner finished"
+    NOT_CONVERGED = "the planner stopped before it converged"
+    FAILED = "the planner found no motion"
+    NOT_APPLICABLE = "the planner does not apply to this problem"
+    TIMED_OUT = "the time limit of the cell was reached"
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """How one run is to be made; a planner takes from it what it needs.
+
+    Attributes
+    ----------
+    curve : str
+        Family for segment-time planners, a name in `study.curves.CURVES`.
+    seed : int
+    evaluations : int
+        Budget of every search: curve evaluations of the joints it moves.
+    population : int
+    formulation : str
+        `penalty` (the papers' form) or `scaled` (every candidate stretched until it is exactly feasible).
+    synchronisation : str
+        `per-joint` (each joint alone, then the longest duration of every segment) or `shared`.
+    time_limit : float, s
+        Wall time after which a solver should stop by itself.
+    """
+
+    curve: str
+    seed: int = 0
+    evaluations: int = 2000
+    population: int = 50
+    formulation: str = "penalty"
+    synchronisation: str = "shared"
+    time_limit: float = 60.0
+
+    def __post_init__(self) -> None:
+        if self.evaluations < 1 or self.population < 1:
+            raise StudyError(
+                f"budget and population must be at least 1, got {self.evaluations} evaluations, population {self.population}"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A planner's answer. It states neither feasibility nor duration: the judge does.
+
+    Attributes
+    ----------
+    status : Status
+    motion : Motion, optional
+    durations : array of shape (n_segments,), s, optional
+        Where the planner thinks in segment durations.
+    evaluations : int
+        Curve evaluations of a search; 0 for a deterministic method.
+    iterations : int
+        Solver iterations or generations.
+    history : array of shape (n_records, 2)
+        Evaluations so far and best objective value so far, s; under per-joint synchronisation the total time of the
+        joints' incumbents put together.
+    message : str
+        The reason where there is no motion, or a remark.
+    details : mapping of str to float
+        Numbers worth keeping, such as a planner's own lower bound.
+    """
+
+    status: Status
+    motion: Motion | None = None
+    durations: Floats | None = None
+    evaluations: int = 0
+    iterations: int = 0
+    history: Floats = field(default_factory=lambda: np.empty((0, 2)))
+    message: str = ""
+    details: Mapping[str, float] = field(default_factory=dict)
+
+
+class Planner(Protocol):
+    """Anything that turns a problem into a plan.
+
+    Attributes
+    ----------
+    stochastic : bool
+        Whether the seed matters, so that the runner repeats it.
+    segment_times : bool
+        Whether it optimises segment durations on the settings' curve (and so takes a formulation and a synchronisation).
+    """
+
+    stochastic: ClassVar[bool]
+    segment_times: ClassVar[bool]
+
+    def plan(self, problem: Problem, settings: RunSettings) -> Plan:
+        """Plan a motion; failures come back as a status with a message, not as an exception."""
+
+
+class Meter:
+    """Count evaluations exactly, keep the incumbent and the history, and end the budget.
+
+    Parameters
+    ----------
+    objective : callable (n_candidates, n_dimensions) -> (n_candidates,)
+    budget : int
+        Evaluations allowed in all.
+    """
+
+    def __init__(self, objective: Callable[[Floats], Floats], budget: int) -> None:
+        self._objective = objective
+        self.budget = budget
+        self.evaluations = 0
+        self.incumbent: Floats | None = None
+        self.incumbent_value = np.inf
+        self._history: list[tuple[int, float]] = []
+        self._incumbents: list[Floats] = []
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether the budget is spent."""
+        return self.evaluations >= self.budget
+
+    @property
+    def history(self) -> Floats:
+        """Evaluations so far and best value so far after every call, shape (n_calls, 2)."""
+        return np.array(self._history, dtype=float).reshape(-1, 2)
+
+    @property
+    def incumbents(self) -> Floats:
+        """Best candidate so far after every call, shape (n_calls, n_dimensions)."""
+        return np.array(self._incumbents)
+
+    def __call__(self, candidates: Floats) -> Floats:
+        """Evaluate a population, shape (n_candidates, n_dimensions); what the budget no longer covers is infinite.
+
+        Values that are not numbers count as infinite, so they never become the incumbent.
+        """
+        values = np.full(len(candidates), np.inf)
+        allowed = candidates[: max(self.budget - self.evaluations, 0)]
+        if len(allowed):
+            raw = self._objective(allowed)
+            values[: len(allowed)] = np.where(np.isnan(raw), np.inf, raw)
+            self.evaluations += len(allowed)
+            best = int(values.argmin())
+            if values[best] < self.incumbent_value:
+                self.incumbent, self.incumbent_value = candidates[best].copy(), float(values[best])
+            self._history.append((self.evaluations, self.incumbent_value))
+            self._incumbents.append(candidates[0] if self.incumbent is None else self.incumbent)
+        return values

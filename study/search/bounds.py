@@ -1,0 +1,67 @@
+"""What to do with a candidate that has left the box; every search names its rule, and the rule is recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from study.errors import unknown
+from study.problem import Floats
+from study.search.loop import Box
+
+Moved = tuple[Floats, Floats]
+
+
+def clip(box: Box, positions: Floats, velocities: Floats) -> Moved:
+    """Put it on the wall and keep its velocity; this can trap coordinates on the wall."""
+    return np.clip(positions, box.lower, box.upper), velocities
+
+
+def stop(box: Box, positions: Floats, velocities: Floats) -> Moved:
+    """Put it on the wall and zero the velocity that carried it there."""
+    outside = (positions < box.lower) | (positions > box.upper)
+    return np.clip(positions, box.lower, box.upper), np.where(outside, 0.0, velocities)
+
+
+def reflect(box: Box, positions: Floats, velocities: Floats) -> Moved:
+    """Mirror it at the wall and turn its velocity round."""
+    outside = (positions < box.lower) | (positions > box.upper)
+    period = 2 * box.width
+    folded = np.mod(positions - box.lower, period)
+    inside = box.lower + np.minimum(folded, period - folded)
+    return inside, np.where(outside, -velocities, velocities)
+
+
+def free(box: Box, positions: Floats, velocities: Floats) -> Moved:
+    """Let it go."""
+    return positions, velocities
+
+
+RULES: dict[str, Callable[[Box, Floats, Floats], Moved]] = {
+    "clip": clip,
+    "stop": stop,
+    "reflect": reflect,
+    "free": free,
+}
+
+
+def bounded(rule: str, box: Box, positions: Floats, velocities: Floats | None = None) -> Moved:
+    """Apply a rule by name.
+
+    Parameters
+    ----------
+    rule : str
+    box : Box
+    positions : array of shape (n_candidates, n_dimensions)
+    velocities : array of the same shape, optional
+        Per generation; zeros where a search has none.
+
+    Raises
+    ------
+    StudyError
+        If there is no such rule.
+    """
+    if rule not in RULES:
+        raise unknown("bounds rule", rule, RULES)
+    return RULES[rule](box, positions, np.zeros_like(positions) if velocities is None else velocities)

@@ -1,0 +1,108 @@
+"""The one loop that drives every search, and the state that all searches share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+
+from study.planning import Meter
+from study.problem import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """Bounds of the search space; `lower` and `upper` have shape (n_dimensions,)."""
+
+    lower: Floats
+    upper: Floats
+
+    @property
+    def width(self) -> Floats:
+        """Side lengths, shape (n_dimensions,)."""
+        return self.upper - self.lower
+
+    def at(self, fractions: Floats) -> Floats:
+        """Map fractions in [0, 1] into the box."""
+        return self.lower + fractions * self.width
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """What every search remembers.
+
+    Attributes
+    ----------
+    box : Box
+    candidates : array of shape (n_candidates, n_dimensions)
+        The population to evaluate next.
+    generations : int
+        How many populations the budget covers.
+    generation : int
+        How many of them have been told.
+    incumbent : array of shape (n_dimensions,)
+    incumbent_value : float
+    """
+
+    box: Box
+    candidates: Floats
+    generations: int
+    generation: int
+    incumbent: Floats
+    incumbent_value: float
+
+    @property
+    def progress(self) -> float:
+        """Share of the generations told so far, in [0, 1]."""
+        return min(self.generation / self.generations, 1.0)
+
+    def improved(self, values: Floats) -> tuple[Floats, float]:
+        """Incumbent and its value after the candidates have come back with `values`, shape (n_candidates,)."""
+        best = int(values.argmin())
+        if values[best] < self.incumbent_value:
+            return self.candidates[best].copy(), float(values[best])
+        return self.incumbent, self.incumbent_value
+
+
+S = TypeVar("S", bound=State)
+
+
+class Search(Protocol, Generic[S]):
+    """A metaheuristic as three pure functions over a frozen state; all randomness comes from the generator passed in."""
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> S:
+        """Make the first state; its candidates are the initial population."""
+
+    def ask(self, state: S, rng: np.random.Generator) -> S:
+        """Propose the next candidates."""
+
+    def tell(self, state: S, values: Floats, rng: np.random.Generator) -> S:
+        """Learn the candidates' objective values, shape (n_candidates,)."""
+
+
+def minimise(search: Search[S], meter: Meter, box: Box, population: int, rng: np.random.Generator) -> S:
+    """Ask, evaluate and tell until the meter's budget is spent; the meter keeps the incumbent and the history.
+
+    Parameters
+    ----------
+    search : Search
+    meter : Meter
+        Wraps the objective; its budget ends the loop.
+    box : Box
+    population : int
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    State
+        The last state of the search.
+    """
+    population = min(population, meter.budget)
+    generations = -(-meter.budget // population)
+    state = search.init(box, population, generations, rng)
+    while True:
+        state = search.tell(state, meter(state.candidates), rng)
+        if meter.exhausted:
+            return state
+        state = search.ask(state, rng)
