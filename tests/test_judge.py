@@ -1,0 +1,167 @@
+"""The judge: each demand of a problem broken in turn, and only that one."""
+
+import numpy as np
+import pytest
+
+from study import EndCondition, JointLimits, Problem, StudyError, Trajectory, judge
+from study.curves import CURVES
+
+WOODWORKING = np.array(
+    [[0.8, 0.578, 0.688, 0.459], [1.2, 0.868, 0.567, 0.964], [3.141, 1.897, 1.468, 2.355], [0, 1.047, 1.771, 0.754]]
+).T
+WOODWORKING_LIMITS = JointLimits([0.6, 0.6, 1.8, 1.8], [0.8, 0.8, 2.4, 2.4])
+
+
+def cubic(duration=1.0):
+    """Rest to rest over one unit: 3s^2 - 2s^3; peaks 1.5/T, 6/T^2, 12/T^3."""
+    return Trajectory(
+        np.array([0.0, duration]),
+        (np.array([0, 0, 3.0, -2.0]) / duration ** np.arange(4))[None, :, None],
+        np.array([0.0, duration]),
+    )
+
+
+def problem(velocity=10.0, acceleration=np.inf, jerk=np.inf, **rest):
+    limits = JointLimits([velocity], [acceleration], [jerk], rest.pop("lower", [-9.0]), rest.pop("upper", [9.0]))
+    return Problem("p", [[0.0], [1.0]], limits, **rest)
+
+
+@pytest.mark.parametrize(("kind", "peak", "order"), [("velocity", 1.5, 1), ("acceleration", 6.0, 2), ("jerk", 12.0, 3)])
+def test_each_rate_binds_in_turn(kind, peak, order):
+    exact = judge(problem(**{kind: peak}), cubic())
+    assert exact.feasible
+    assert exact.worst_ratio == pytest.approx(1.0, abs=1e-12)
+    broken = judge(problem(**{kind: peak * 0.99}), cubic())
+    assert not broken.feasible
+    assert [reason.split()[0] for reason in broken.reasons] == [kind]
+    assert broken.violation == pytest.approx(1 / 0.99 - 1)
+    slower = cubic(0.99 ** (-1 / order))
+    assert judge(problem(**{kind: peak * 0.99}), slower).feasible
+
+
+def test_the_tolerance_is_one_part_in_a_million():
+    assert judge(problem(velocity=1.5 / (1 + 0.9e-6)), cubic()).feasible
+    assert not judge(problem(velocity=1.5 / (1 + 1.1e-6)), cubic()).feasible
+
+
+def test_where_and_how_much_is_reported():
+    verdict = judge(problem(velocity=2.0, acceleration=12.0), cubic())
+    assert verdict.ratios[:, 0].tolist() == [0.75, 0.5, 0.0]
+    assert verdict.peaks[:, 0] == pytest.approx([1.5, 6.0, 12.0])
+    assert verdict.times[0, 0] == pytest.approx(0.5)
+    assert verdict.segments.tolist() == [[0], [0], [0]]
+    assert verdict.end_velocity.tolist() == [[0.0], [0.0]]
+    assert verdict.end_acceleration[:, 0] == pytest.approx([6.0, -6.0])
+    assert verdict.overshoot.tolist() == [0.0]
+    assert verdict.continuity == 2
+    assert verdict.duration == 1.0
+
+
+def test_a_missed_waypoint_is_infeasible():
+    off = Problem("p", [[0.0], [1.001]], JointLimits([10.0]))
+    verdict = judge(off, cubic())
+    assert verdict.waypoint_error == pytest.approx([1e-3])
+    assert verdict.reasons[0].startswith("misses a waypoint")
+
+
+def test_end_conditions():
+    assert judge(problem(end=EndCondition.REST), cubic()).feasible
+    smooth = judge(problem(acceleration=60.0, end=EndCondition.SMOOTH), cubic())
+    assert "acceleration of joint 1 is" in smooth.reasons[0]
+    line = Trajectory(np.array([0.0, 1.0]), np.array([[[0.0], [1.0]]]), np.array([0.0, 1.0]))
+    assert judge(problem(acceleration=1.0, end=EndCondition.FREE), line).feasible
+    assert "velocity of joint 1 is" in judge(problem(acceleration=1.0), line).reasons[0]
+
+
+def two_lines(first_slope):
+    """Two straight pieces from 0 over 1 to 2 with a step in velocity unless the slope is 1."""
+    times = np.array([1 / first_slope, 1.0])
+    return Trajectory.from_pieces(times, np.array([[[0.0], [first_slope]], [[1.0], [1.0]]]))
+
+
+def test_steps_need_infinite_rates():
+    points = [[0.0], [1.0], [2.0]]
+    free = Problem("p", points, JointLimits([10.0]), end=EndCondition.FREE)
+    assert judge(free, two_lines(2.0)).feasible
+    assert judge(free, two_lines(2.0)).continuity == 0
+    bounded = Problem("p", points, JointLimits([10.0], [10.0]), end=EndCondition.FREE)
+    assert "velocity of joint 1 jumps by 1" in judge(bounded, two_lines(2.0)).reasons[0]
+    assert judge(bounded, two_lines(1.0)).feasible
+
+
+def test_a_step_in_acceleration_breaks_a_jerk_limit_only():
+    parabolas = Trajectory.from_pieces(
+        np.ones(2), np.array([[[0.0], [0.0], [0.5]], [[0.5], [1.0], [-0.5]]]), pieces_per_segment=2
+    )
+    assert judge(problem(acceleration=1.0), parabolas).feasible
+    verdict = judge(problem(acceleration=1.0, jerk=1e6), parabolas)
+    assert verdict.reasons == ("acceleration of joint 1 jumps by 2 at a knot",)
+    assert verdict.continuity == 1
+
+
+def test_a_position_jump_is_never_feasible():
+    broken = Trajectory.from_pieces(np.ones(2), np.array([[[0.0], [0.0]], [[1.0], [0.0]]]), pieces_per_segment=2)
+    verdict = judge(problem(), broken)
+    assert verdict.continuity == -1
+    assert "position of joint 1 jumps" in verdict.reasons[0]
+
+
+def test_range_of_positions_and_overshoot():
+    swing = Trajectory(np.array([0.0, 1.0]), np.array([[[0.0], [0.0], [6.0], [-5.0]]]), np.array([0.0, 1.0]))
+    top = 6 * 0.8**2 - 5 * 0.8**3
+    verdict = judge(problem(velocity=100, end=EndCondition.FREE, upper=[1.1]), swing)
+    assert verdict.overshoot == pytest.approx([top - 1])
+    assert verdict.position_excess == pytest.approx([top - 1.1])
+    assert "leaves its range of positions" in verdict.reasons[0]
+
+
+def test_shapes_must_match():
+    with pytest.raises(StudyError, match="must have 1 joints and pass 2 waypoints, it has 1 and 3"):
+        judge(problem(), two_lines(1.0))
+
+
+@pytest.mark.parametrize(
+    ("durations", "ratio"),
+    [
+        ([1.7301, 3.5905, 1.9008], 1.0340),  # Table 5, PSO, joint 1
+        ([1.9488, 3.1077, 2.0645], 1.0403),  # Table 5, Gold-SA, joint 1
+        ([2.1107, 2.9540, 2.0025], 1.0711),  # Table 5, GoldS-PSO, joint 1
+    ],
+)
+def test_the_woodworking_papers_joint_1_breaks_its_own_acceleration_limit(durations, ratio):
+    one = Problem("woodworking", WOODWORKING, WOODWORKING_LIMITS).joint(0)
+    verdict = judge(one, CURVES["poly353"].motion(one.waypoints, np.array(durations)))
+    assert verdict.ratios[1, 0] == pytest.approx(ratio, abs=5e-5)
+    assert not verdict.feasible
+    assert "acceleration of joint 1" in verdict.reasons[0]
+
+
+def test_the_woodworking_papers_synchronised_total_is_feasible():
+    case = Problem("woodworking", WOODWORKING, WOODWORKING_LIMITS, end=EndCondition.SMOOTH)
+    verdict = judge(case, CURVES["poly353"].motion(WOODWORKING, np.array([2.3189, 2.9540, 2.6047])))
+    assert verdict.feasible
+    assert verdict.duration == pytest.approx(7.8776)
+    assert verdict.ratios[0].max() == pytest.approx(0.9879, abs=5e-5)
+    assert verdict.ratios[1].max() == pytest.approx(0.8888, abs=5e-5)
+    assert verdict.continuity == 2
+
+
+@pytest.mark.parametrize("factor", [0.5, 3.0])
+def test_scaling_limits_and_motion_together_changes_no_ratio(factor):
+    rng = np.random.default_rng(2)
+    points = rng.normal(size=(6, 3))
+    limits = JointLimits([2.0] * 3, [3.0] * 3, [9.0] * 3)
+    motion = CURVES["cubic-spline"].motion(points, rng.uniform(0.5, 1.5, 5))
+    before = judge(Problem("p", points, limits), motion)
+    after = judge(Problem("p", points, limits.scaled(factor)), motion.scaled(factor))
+    assert after.ratios == pytest.approx(before.ratios, rel=1e-9)
+    assert after.duration == pytest.approx(before.duration * factor)
+
+
+def test_tiny_and_huge_units_are_judged_alike():
+    for unit in (1e-6, 1e6):
+        case = Problem("p", [[0.0], [unit]], JointLimits([1.6 * unit], [6.5 * unit]))
+        motion = Trajectory(cubic().knots, cubic().coefficients * unit, cubic().waypoint_times)
+        assert judge(case, motion).feasible
+        missed = Problem("p", [[0.0], [unit * 1.01]], JointLimits([1.6 * unit], [6.5 * unit]))
+        assert not judge(missed, motion).feasible
