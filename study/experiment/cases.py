@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from study.curves import curve_named
+from study.errors import StudyError, unknown
+from study.experiment.casefile import SI, CaseFile, Limits, Printed, Rates, Unit, in_si, varied
+from study.experiment.datafiles import checked, data_folder, read_yaml
 from study.planning import RunSettings
-from study.problem import Floats, Problem
+from study.problem import EndCondition, Floats, JointLimits, Problem, frozen_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +69,12 @@ class Case:
         What a reader must know: readings taken, values of ours.
     default : bool
         Whether `study run` takes the case without being asked.
+    fixed_joints : mapping of int to float, rad or m
+        Robot joints, counted from 0, that the problem leaves out and where they stand.
+    position_range : array of shape (2, n_joints), rad or m, optional
+        Range of positions that the paper prints; it is judged only where the problem's limits repeat it.
+    sources : mapping of str to str
+        Field of the case: the place in the paper it was read from, or `ours: ` and why.
     """
 
     name: str
@@ -73,3 +89,182 @@ class Case:
     published: tuple[Published, ...]
     notes: tuple[str, ...]
     default: bool = True
+    fixed_joints: Mapping[int, float] = field(default_factory=dict)
+    position_range: Floats | None = None
+    sources: Mapping[str, str] = field(default_factory=dict)
+
+    def robot_configuration(self, q: ArrayLike) -> Floats:
+        """Put the joints that the problem leaves out back in their places.
+
+        Parameters
+        ----------
+        q : array of shape (n, n_joints), rad or m
+            Configurations of the problem.
+
+        Returns
+        -------
+        array of shape (n, n_robot_joints), rad or m
+
+        Raises
+        ------
+        StudyError
+            If the configurations have another number of joints than the problem.
+        """
+        moving = np.atleast_2d(np.asarray(q, dtype=float))
+        if moving.ndim != 2 or moving.shape[1] != self.problem.n_joints:
+            raise StudyError(
+                f"case {self.name!r}: configurations must have shape (n, {self.problem.n_joints}), got {np.shape(q)}"
+            )
+        whole = np.empty((len(moving), moving.shape[1] + len(self.fixed_joints)))
+        fixed = sorted(self.fixed_joints)
+        whole[:, fixed] = [self.fixed_joints[joint] for joint in fixed]
+        whole[:, np.setdiff1d(np.arange(whole.shape[1]), fixed)] = moving
+        return whole
+
+
+def case_names(default_only: bool = False) -> list[str]:
+    """Name the cases that the data holds, or only those that `study run` takes without being asked.
+
+    Raises
+    ------
+    StudyError
+        If a file of the data is broken.
+    """
+    return [name for name, case in _library().items() if case.default or not default_only]
+
+
+def load_case(name_or_path: str | Path) -> Case:
+    """Load a case by name, or from a file of one's own.
+
+    Parameters
+    ----------
+    name_or_path : str or Path
+        A name that `case_names` gives, or the path of a YAML file.
+
+    Raises
+    ------
+    StudyError
+        If there is no such case or file, or a field of the file is missing, unknown or impossible.
+    """
+    path = Path(name_or_path)
+    if path.suffix in (".yaml", ".yml") or len(path.parts) > 1:
+        return next(iter(_cases_in(path).values()))
+    cases = _library()
+    if str(name_or_path) not in cases:
+        raise unknown("case", str(name_or_path), cases)
+    return cases[str(name_or_path)]
+
+
+@cache
+def _library() -> dict[str, Case]:
+    cases: dict[str, Case] = {}
+    for path in sorted((data_folder() / "cases").glob("*.yaml")):
+        found = _cases_in(path)
+        if doubled := cases.keys() & found.keys():
+            raise StudyError(f"file {path.name!r}: case {min(doubled)!r} is defined in another file too; rename one")
+        cases |= found
+    return cases
+
+
+def _cases_in(path: Path) -> dict[str, Case]:
+    where = f"file {path.name!r}"
+    base = checked(CaseFile, read_yaml(path), where)
+    files = [base]
+    files += [checked(CaseFile, varied(base, name), f"{where}, variant {name!r}") for name in base.variants]
+    return {file.name: _case(file, f"{where}, case {file.name!r}") for file in files}
+
+
+def _case(file: CaseFile, where: str) -> Case:
+    try:
+        return _built(file)
+    except ValueError as error:
+        raise StudyError(f"{where}: field {error}") from None
+    except StudyError as error:
+        raise StudyError(f"{where}: {error}") from None
+
+
+def _built(file: CaseFile) -> Case:
+    problem = Problem(
+        name=file.name,
+        waypoints=in_si(file.waypoints.values, file.units, "waypoints.values"),
+        limits=_limits(file.limits, file.units),
+        end=EndCondition[file.end.upper()],
+        duration_bounds=(file.duration_bounds.lower, file.duration_bounds.upper),
+    )
+    printed = file.settings
+    return Case(
+        name=file.name,
+        title=file.title,
+        paper=file.paper,
+        problem=problem,
+        curve=curve_named(file.curve).name,
+        settings=RunSettings(
+            curve=file.curve,
+            evaluations=printed.population * printed.iterations,
+            population=printed.population,
+            formulation=printed.formulation,
+            synchronisation=printed.synchronisation,
+        ),
+        planner=file.planner,
+        robot=file.robot,
+        units=tuple(SI[unit][0] for unit in file.units),
+        published=tuple(_published(entry, problem, i) for i, entry in enumerate(file.published)),
+        notes=tuple(file.notes),
+        default=file.default,
+        fixed_joints={joint - 1: value for joint, value in file.fixed_joints.items()},
+        position_range=_position_range(file.limits, file.units),
+        sources=_sources(file),
+    )
+
+
+def _limits(limits: Limits, units: list[Unit]) -> JointLimits:
+    def rates(field_name: str, given: Rates | None) -> Floats:
+        if given is None:
+            return np.array(np.inf)
+        return in_si(given.values, given.units or units, f"limits.{field_name}.values")
+
+    judged = limits.position is not None and limits.position.judged
+    span = _position_range(limits, units) if judged else None
+    lower, upper = (np.array(-np.inf), np.array(np.inf)) if span is None else span
+    return JointLimits(
+        rates("velocity", limits.velocity),
+        rates("acceleration", limits.acceleration),
+        rates("jerk", limits.jerk),
+        lower,
+        upper,
+    )
+
+
+def _position_range(limits: Limits, units: list[Unit]) -> Floats | None:
+    if limits.position is None:
+        return None
+    span = [limits.position.lower, limits.position.upper]
+    return frozen_array(in_si(span, limits.position.units or units, "limits.position"), "position range")
+
+
+def _published(entry: Printed, problem: Problem, index: int) -> Published:
+    if entry.joint is not None and entry.joint > problem.n_joints:
+        raise ValueError(f"published.{index}.joint: there are {problem.n_joints} joints, got {entry.joint}")
+    if entry.durations is not None and len(entry.durations) != problem.n_segments:
+        raise ValueError(
+            f"published.{index}.durations: must have one number for each of {problem.n_segments} segments, "
+            f"got {len(entry.durations)}"
+        )
+    return Published(
+        label=entry.label,
+        total=entry.total,
+        durations=None if entry.durations is None else frozen_array(entry.durations, "durations"),
+        joint=None if entry.joint is None else entry.joint - 1,
+        source=entry.source,
+    )
+
+
+def _sources(file: CaseFile) -> dict[str, str]:
+    limits = {f"{name} limits": getattr(file.limits, name) for name in ("velocity", "acceleration", "jerk", "position")}
+    parts = {
+        "waypoints": file.waypoints,
+        **limits,
+        "duration bounds": file.duration_bounds,
+        "settings": file.settings,
+    }
+    return {name: part.source or f"ours: {part.ours}" for name, part in parts.items() if part is not None}

@@ -1,0 +1,99 @@
+"""Where the project's data lies, and how a YAML file becomes a checked model."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from study.errors import StudyError
+
+PACKAGE = Path(__file__).resolve().parent.parent
+
+
+class Strict(BaseModel):
+    """A model that knows every key it accepts and takes only finite numbers."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+@cache
+def data_folder() -> Path:
+    """Find the data: inside the installed package, or beside it in a checkout.
+
+    Raises
+    ------
+    StudyError
+        If neither place has a folder of cases.
+    """
+    for folder in (PACKAGE / "data", PACKAGE.parent / "data"):
+        if (folder / "cases").is_dir():
+            return folder
+    raise StudyError(
+        f"no data folder beside or inside {PACKAGE}; install the package again or work from a full checkout"
+    )
+
+
+def read_yaml(path: Path) -> dict[str, Any]:
+    """Read one YAML file that must hold a mapping.
+
+    Raises
+    ------
+    StudyError
+        If the file is missing, cannot be read, is not YAML or is not a mapping.
+    """
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise StudyError(f"file {str(path)!r} does not exist; check the path") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise StudyError(f"file {str(path)!r} cannot be read as text: {error}") from None
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f" at line {mark.line + 1}" if mark else ""
+        problem = getattr(error, "problem", None) or "it could not be parsed"
+        raise StudyError(f"file {str(path)!r} is not valid YAML{where}: {problem}") from None
+    if not isinstance(content, dict):
+        raise StudyError(f"file {str(path)!r} must hold named fields (a YAML mapping), got {type(content).__name__}")
+    return content
+
+
+def checked(model: type[Model], content: object, where: str) -> Model:
+    """Build a model from parsed YAML, or say in one sentence which field is wrong.
+
+    Parameters
+    ----------
+    model : subclass of BaseModel
+    content : object
+        What the YAML file held.
+    where : str
+        How the message begins, such as `file 'woodworking.yaml'`.
+
+    Raises
+    ------
+    StudyError
+        For the first field that does not fit.
+    """
+    try:
+        return model.model_validate(content)
+    except ValidationError as error:
+        raise StudyError(_sentence(error, where)) from None
+
+
+def _sentence(error: ValidationError, where: str) -> str:
+    first, *others = error.errors(include_url=False)
+    field = ".".join(str(part) for part in first["loc"]) or "the file"
+    more = f" (and {len(others)} more)" if others else ""
+    if first["type"] == "extra_forbidden":
+        return f"{where}: unknown key {field!r}; remove it or correct its spelling{more}"
+    if first["type"] == "missing":
+        return f"{where}: field {field!r} is missing; add it{more}"
+    message = first["msg"].removeprefix("Value error, ")
+    came = "" if first["type"] == "value_error" else f", got {str(first['input'])[:60]!r}"
+    return f"{where}: field {field!r}: {message[:1].lower()}{message[1:]}{came}{more}"
