@@ -29,9 +29,13 @@ def stretch(problem: Problem, curve: Curve, durations: Floats) -> Floats:
     array of shape (n_candidates,)
         At most 1 for a candidate that is feasible as it stands.
     """
-    ratios = curve.peaks(problem.waypoints, durations) / problem.limits.rates
-    factors = ratios.max(axis=2)
-    return np.maximum(np.maximum(factors[:, 0], np.sqrt(factors[:, 1])), np.cbrt(factors[:, 2]))
+    limits = problem.limits.rates
+    orders = tuple(order for order in (1, 2, 3) if np.isfinite(limits[order - 1]).any())
+    if not orders:
+        return np.zeros(len(durations))
+    peaks = curve.peaks(problem.waypoints, durations, orders)
+    ratios = (peaks / limits[[order - 1 for order in orders]]).max(axis=2)
+    return (ratios ** (1.0 / np.array(orders))).max(axis=1)
 
 
 @dataclass(frozen=True)

@@ -56,22 +56,14 @@ def roots(coefficients: Floats) -> Floats:
     with np.errstate(all="ignore"):
         if degree == 0:
             return np.zeros((*coefficients.shape[:-1], 0))
-        if degree == 1:
-            return _unit(-coefficients[..., :1] / coefficients[..., 1:])
-        if degree == 2:
-            return _quadratic_roots(coefficients)
+        if degree <= 2:
+            return np.stack(roots_of_terms(tuple(np.moveaxis(coefficients, -1, 0))), axis=-1)
         return _bracketed_roots(coefficients)
 
 
 def _unit(u: Floats) -> Floats:
-    return np.clip(np.nan_to_num(u, nan=0.0, posinf=1.0, neginf=0.0), 0.0, 1.0)
-
-
-def _quadratic_roots(coefficients: Floats) -> Floats:
-    c, b, a = np.moveaxis(coefficients, -1, 0)
-    discriminant = b * b - 4.0 * a * c
-    q = -0.5 * (b + np.copysign(np.sqrt(np.maximum(discriminant, 0.0)), b))
-    return _unit(np.stack([q / a, c / q], axis=-1))
+    """Clip into [0, 1]; what is not a number becomes 1."""
+    return np.fmax(np.fmin(u, 1.0), 0.0)
 
 
 def _bracketed_roots(coefficients: Floats) -> Floats:
@@ -139,3 +131,70 @@ def peak(coefficients: Floats) -> Floats:
     """Largest absolute value on [0, 1], shape (...)."""
     lowest, _, highest, _ = extrema(coefficients)
     return np.maximum(-lowest, highest)
+
+
+Terms = tuple[Floats, ...]
+
+
+def value_of_terms(terms: Terms, u: Floats | float) -> Floats:
+    """Evaluate a polynomial given term by term, so that populations stay contiguous in memory."""
+    result = terms[-1] + np.zeros_like(u)
+    for term in reversed(terms[:-1]):
+        result = result * u + term
+    return result
+
+
+def peak_of_terms(terms: Terms, slope: Terms) -> Floats:
+    """Largest absolute value on [0, 1] of polynomials of degree at most 4, closed form.
+
+    Parameters
+    ----------
+    terms, slope : tuples of arrays of one shape
+        Ascending coefficients of the polynomials and of their derivatives.
+
+    Returns
+    -------
+    array of the terms' shape
+    """
+    result = np.maximum(np.abs(terms[0]), np.abs(sum(terms)))
+    for root in roots_of_terms(slope):
+        np.maximum(result, np.abs(value_of_terms(terms, root)), out=result)
+    return result
+
+
+def roots_of_terms(terms: Terms) -> Terms:
+    """Points of [0, 1] that include every real root, for degrees 1 to 3, as closed forms.
+
+    A root within sqrt(eps) serves an extremum to rounding, because the value is stationary there; so the cubic formula
+    needs no polishing, and only a leading coefficient that nearly vanishes goes to the bracketing solver.
+    """
+    with np.errstate(all="ignore"):
+        if len(terms) == 2:
+            return (_unit(-terms[0] / terms[1]),)
+        if len(terms) == 3:
+            c, b, a = terms
+            q = -0.5 * (b + np.copysign(np.sqrt(np.maximum(b * b - 4.0 * a * c, 0.0)), b))
+            return _unit(q / a), _unit(c / q)
+        return _cubic_roots(terms)
+
+
+def _cubic_roots(terms: Terms) -> Terms:
+    """Viete's trigonometric form where all roots are real, Cardano's where one is, for t^3 + 3 p t + 2 q."""
+    lead = terms[3]
+    c0, c1, b = terms[0] / (2 * lead), terms[1] / (3 * lead), terms[2] / (3 * lead)
+    p = c1 - b * b
+    q = b * (b * b - 1.5 * c1) + c0
+    square = q * q + p * p * p
+    root = np.sqrt(np.abs(square))
+    three = square < 0
+    angle = np.arctan2(root, -q) / 3
+    m = np.sqrt(np.maximum(-p, 0.0))
+    cosine, sine = m * np.cos(angle), m * (np.sqrt(3.0) * np.sin(angle))
+    a = -np.copysign(np.cbrt(np.abs(q) + root), q)
+    single = a - np.where(a == 0, 0.0, p / a)
+    found = np.stack([np.where(three, r, single) for r in (2 * cosine, -cosine - sine, sine - cosine)])
+    found = _unit(found - b)
+    weak = np.abs(lead) < 1e-3 * (np.abs(terms[2]) + np.abs(terms[1]) + np.abs(terms[0]))
+    if weak.any():
+        found[:, weak] = roots(np.stack([np.broadcast_to(t, weak.shape)[weak] for t in terms], axis=-1)).T
+    return tuple(found)

@@ -152,6 +152,10 @@ class Problem:
         if not np.isfinite(points).all():
             row = int(np.argmax(~np.isfinite(points).all(axis=1)))
             raise StudyError(f"{where}: waypoint {row + 1} holds an infinite value; give finite numbers")
+        if not np.isfinite(self.limits.rates).any() and not self.allow_dwell:
+            raise StudyError(
+                f"{where}: no joint has a finite limit, so there is no shortest time; give a velocity limit"
+            )
         self._check_neighbours(where)
         self._check_positions(where)
         lower, upper = self.duration_bounds

@@ -67,3 +67,13 @@ def test_product_is_convolution():
     for i in range(5):
         for j in range(3):
             assert result[i, j] == pytest.approx(np.convolve(a[i, 0], b[j]))
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(st.floats(-1, 1), min_size=4, max_size=4), st.sampled_from([1.0, 1e-4, 1e-9, 0.0]))
+def test_closed_cubic_roots_find_the_same_peak_as_brackets(coefficients, lead):
+    """Also where the leading coefficient nearly vanishes, which the cubic formula alone would not survive."""
+    cubic = np.array([*coefficients[:3], coefficients[3] * lead])
+    quartic = np.array([0.3, *(cubic / np.arange(1, 5))])
+    closed = polynomial.peak_of_terms(tuple(quartic[:, None]), tuple(cubic[:, None]))
+    assert closed[0] == pytest.approx(polynomial.peak(quartic), rel=1e-12)

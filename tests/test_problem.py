@@ -52,6 +52,11 @@ def test_bad_waypoints_are_refused_with_the_case_named(points, sentence):
     assert "case 'my arm'" in str(refused.value)
 
 
+def test_a_problem_without_any_limit_has_no_shortest_time():
+    with pytest.raises(StudyError, match="no joint has a finite limit"):
+        Problem("p", POINTS, JointLimits([np.inf, np.inf]))
+
+
 def test_bad_duration_bounds_and_names_and_ranges():
     with pytest.raises(StudyError, match="duration bounds"):
         Problem("p", POINTS, limits(), duration_bounds=(2.0, 1.0))

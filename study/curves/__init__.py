@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -11,6 +12,13 @@ from study.curves import bspline, cubic_spline, poly353
 from study.errors import StudyError, unknown
 from study.problem import EndCondition, Floats
 from study.trajectory import Motion, Trajectory
+
+
+class Peaks(Protocol):
+    """Exact peak rates of a whole population."""
+
+    def __call__(self, waypoints: Floats, durations: Floats, orders: tuple[int, ...] = (1, 2, 3)) -> Floats:
+        """Shape (n_candidates, len(orders), n_joints)."""
 
 
 @dataclass(frozen=True)
@@ -22,13 +30,14 @@ class Curve:
     name : str
     end : EndCondition
         What the family guarantees at both ends.
-    peaks : callable (waypoints, durations of shape (n_candidates, n_segments)) -> (n_candidates, 3, n_joints)
+    peaks : callable (waypoints, durations of shape (n_candidates, n_segments), orders) -> array
+        Exact peak rates of the asked orders, shape (n_candidates, len(orders), n_joints).
     motion : callable (waypoints, durations of shape (n_segments,)) -> Motion
     """
 
     name: str
     end: EndCondition
-    peaks: Callable[[Floats, Floats], Floats]
+    peaks: Peaks
     motion: Callable[[Floats, Floats], Motion]
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from study import polynomial
+from study.polynomial import Terms
 from study.problem import Floats
 from study.trajectory import ParametricTrajectory, rational_candidates
 
@@ -49,8 +50,8 @@ def time_coefficients(durations: Floats) -> Floats:
     return np.moveaxis(unit_coefficients(times.T), -1, 0)
 
 
-def peaks(waypoints: Floats, durations: Floats) -> Floats:
-    """Exact peak velocity, acceleration and jerk of every candidate, shape (n_candidates, 3, n_joints).
+def peaks(waypoints: Floats, durations: Floats, orders: tuple[int, ...] = (1, 2, 3)) -> Floats:
+    """Exact peak rates of every candidate.
 
     A candidate whose t(u) does not increase strictly has no motion; its peaks are infinite.
 
@@ -58,16 +59,54 @@ def peaks(waypoints: Floats, durations: Floats) -> Floats:
     ----------
     waypoints : array of shape (n_waypoints, n_joints), rad or m
     durations : array of shape (n_candidates, n_segments), s
+    orders : tuple of int
+        Which derivatives; leaving out those without a limit saves their work.
+
+    Returns
+    -------
+    array of shape (n_candidates, len(orders), n_joints)
     """
-    time = time_coefficients(durations)[:, :, None, :]
-    position = np.moveaxis(unit_coefficients(waypoints), 1, 2)[None]
-    result = np.empty((len(durations), 3, waypoints.shape[1]))
+    time, position = time_coefficients(durations), np.moveaxis(unit_coefficients(waypoints), 1, 2)
+    rate: Terms = tuple(np.ascontiguousarray(time[:, :, k].T)[:, None] * k for k in (1, 2, 3))
+    result = np.empty((len(durations), len(orders), waypoints.shape[1]))
     with np.errstate(all="ignore"):
-        for order in (1, 2, 3):
-            _, values = rational_candidates(time, position, order)
-            result[:, order - 1] = np.abs(values).max(axis=(1, 3))
-    slowest = polynomial.extrema(polynomial.derivative(time[:, :, 0]))[0].min(axis=1)
-    result[slowest <= 0] = np.inf
+        for slot, order in enumerate(orders):
+            if order == 3:
+                values = rational_candidates(time[:, :, None, :], position[None], order)[1]
+                result[:, slot] = np.abs(values).max(axis=(1, 3))
+            else:
+                result[:, slot] = _peak(rate, position, order).max(axis=0).T
+    slowest = np.minimum(rate[0], sum(rate))
+    for turn in polynomial.roots_of_terms((rate[1], 2 * rate[2])):
+        slowest = np.minimum(slowest, polynomial.value_of_terms(rate, turn))
+    result[(slowest <= 0).any(axis=(0, 1))] = np.inf
+    return result
+
+
+def _peak(rate: Terms, position: Floats, order: int) -> Floats:
+    """Peak velocity or acceleration on every piece, shape (n_segments, n_joints, n_candidates).
+
+    With t' = e0 + e1 u + e2 u^2 and q' alike, N = q''t' - q't'' loses its cubic term; velocity turns where N = 0 and
+    acceleration N / t'^3 where M = N't' - 3Nt'' = 0.
+    """
+    e0, e1, e2 = rate
+    d0, d1, d2 = (position[:, :, k, None] * k for k in (1, 2, 3))
+    n: Terms = (d1 * e0 - d0 * e1, 2 * (d2 * e0 - d0 * e2), d2 * e1 - d1 * e2)
+    over: Terms = (d0, d1, d2)
+    turns = n
+    if order == 2:
+        over = n
+        turns = (
+            n[1] * e0 - 3 * n[0] * e1,
+            2 * (n[2] * e0 - n[1] * e1 - 3 * n[0] * e2),
+            -n[2] * e1 - 5 * n[1] * e2,
+            -4 * n[2] * e2,
+        )
+    power = 2 * order - 1
+    result = np.maximum(np.abs(over[0] / e0**power), np.abs(sum(over) / sum(rate) ** power))
+    for u in polynomial.roots_of_terms(turns):
+        at = polynomial.value_of_terms(over, u) / polynomial.value_of_terms(rate, u) ** power
+        result = np.maximum(result, np.abs(at))
     return result
 
 

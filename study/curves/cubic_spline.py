@@ -57,8 +57,8 @@ def unit_coefficients(waypoints: Floats, durations: Floats) -> Floats:
     return np.stack([constant, steps - left / 3 - right / 6, left / 2, (right - left) / 6], axis=-1)
 
 
-def peaks(waypoints: Floats, durations: Floats) -> Floats:
-    """Exact peak velocity, acceleration and jerk of every candidate, shape (n_candidates, 3, n_joints).
+def peaks(waypoints: Floats, durations: Floats, orders: tuple[int, ...] = (1, 2, 3)) -> Floats:
+    """Exact peak rates of every candidate.
 
     Acceleration is linear in each segment, so it peaks at waypoints; velocity peaks there or where acceleration is zero.
 
@@ -66,13 +66,25 @@ def peaks(waypoints: Floats, durations: Floats) -> Floats:
     ----------
     waypoints : array of shape (n_waypoints, n_joints), rad or m
     durations : array of shape (n_candidates, n_segments), s
+    orders : tuple of int
+        Which derivatives; leaving out those without a limit saves their work.
+
+    Returns
+    -------
+    array of shape (n_candidates, len(orders), n_joints)
     """
     m = accelerations(waypoints, durations)
     h = durations[:, :, None]
     left, right = m[:, :-1], m[:, 1:]
-    start = np.diff(waypoints, axis=0) / h - h * (2 * left + right) / 6
-    with np.errstate(divide="ignore", invalid="ignore"):
-        turn = start + np.where(left * right < 0, h * left**2 / (2 * (left - right)), 0.0)
-    velocity = np.maximum(np.abs(start), np.abs(turn)).max(axis=1)
-    jerk = np.abs((right - left) / h).max(axis=1)
-    return np.stack([velocity, np.abs(m).max(axis=1), jerk], axis=1)
+    result = np.empty((len(durations), len(orders), waypoints.shape[1]))
+    for slot, order in enumerate(orders):
+        if order == 1:
+            start = np.diff(waypoints, axis=0) / h - h * (2 * left + right) / 6
+            with np.errstate(divide="ignore", invalid="ignore"):
+                turn = start + np.where(left * right < 0, h * left**2 / (2 * (left - right)), 0.0)
+            result[:, slot] = np.maximum(np.abs(start), np.abs(turn)).max(axis=1)
+        elif order == 2:
+            result[:, slot] = np.abs(m).max(axis=1)
+        else:
+            result[:, slot] = np.abs((right - left) / h).max(axis=1)
+    return result

@@ -17,18 +17,13 @@ from study.errors import StudyError
 from study.problem import Floats
 
 
-def unit_coefficients(waypoints: Floats, durations: Floats) -> Floats:
-    """Coefficients in local unit time, for a whole population at once.
+def hermite(waypoints: Floats, durations: Floats) -> tuple[Floats, ...]:
+    """Coefficients c1 to c5 of the middle quintic in unit time, each of shape (n_joints, n_candidates).
 
     Parameters
     ----------
     waypoints : array of shape (4, n_joints), rad or m
     durations : array of shape (n_candidates, 3), s
-
-    Returns
-    -------
-    array of shape (n_candidates, 3, n_joints, 6), rad or m
-        Ascending powers of the fraction of each segment's duration.
 
     Raises
     ------
@@ -37,41 +32,66 @@ def unit_coefficients(waypoints: Floats, durations: Floats) -> Floats:
     """
     if len(waypoints) != 4:
         raise StudyError(f"the 3-5-3 curve needs exactly 4 waypoints, got {len(waypoints)}; use cubic-spline instead")
-    first, middle, last = np.diff(waypoints, axis=0)
-    result = np.zeros((len(durations), 3, waypoints.shape[1], 6))
-    result[:, 0, :, 0], result[:, 0, :, 3] = waypoints[0], first
-    result[:, 2, :, :4] = np.stack([waypoints[2], 3 * last, -3 * last, last], axis=-1)
-    t1, t2, t3 = durations.T[:, :, None]
-    v1, a1 = 3 * first * (t2 / t1), 6 * first * (t2 / t1) ** 2
-    v2, a2 = 3 * last * (t2 / t3), -6 * last * (t2 / t3) ** 2
-    result[:, 1, :, 0] = waypoints[1]
-    result[:, 1, :, 1] = v1
-    result[:, 1, :, 2] = a1 / 2
-    result[:, 1, :, 3] = 10 * middle - 6 * v1 - 4 * v2 - 1.5 * a1 + 0.5 * a2
-    result[:, 1, :, 4] = -15 * middle + 8 * v1 + 7 * v2 + 1.5 * a1 - a2
-    result[:, 1, :, 5] = 6 * middle - 3 * v1 - 3 * v2 - 0.5 * a1 + 0.5 * a2
-    return result
+    first, middle, last = np.diff(waypoints, axis=0)[:, :, None]
+    t1, t2, t3 = np.ascontiguousarray(durations.T)
+    before, after = t2 / t1, t2 / t3
+    v1, v2 = first * (3 * before), last * (3 * after)
+    a1, a2 = v1 * (2 * before), v2 * (-2 * after)
+    c3 = 10 * middle - 6 * v1 - 4 * v2 - 1.5 * a1 + 0.5 * a2
+    c4 = -15 * middle + 8 * v1 + 7 * v2 + 1.5 * a1 - a2
+    c5 = 6 * middle - 3 * (v1 + v2) + 0.5 * (a2 - a1)
+    return v1, 0.5 * a1, c3, c4, c5
 
 
-def peaks(waypoints: Floats, durations: Floats) -> Floats:
-    """Exact peak velocity, acceleration and jerk of every candidate.
+def unit_coefficients(waypoints: Floats, durations: Floats) -> Floats:
+    """Coefficients in local unit time, shape (n_candidates, 3, n_joints, 6), ascending powers.
 
     Parameters
     ----------
     waypoints : array of shape (4, n_joints), rad or m
     durations : array of shape (n_candidates, 3), s
 
+    Raises
+    ------
+    StudyError
+        If there are not four waypoints.
+    """
+    quintic = hermite(waypoints, durations)
+    result = np.zeros((len(durations), 3, waypoints.shape[1], 6))
+    first, _, last = np.diff(waypoints, axis=0)
+    result[:, 0, :, 0], result[:, 0, :, 3] = waypoints[0], first
+    result[:, 1, :, 0] = waypoints[1]
+    for power, coefficient in enumerate(quintic, start=1):
+        result[:, 1, :, power] = coefficient.T
+    result[:, 2, :, :4] = np.stack([waypoints[2], 3 * last, -3 * last, last], axis=-1)
+    return result
+
+
+def peaks(waypoints: Floats, durations: Floats, orders: tuple[int, ...] = (1, 2, 3)) -> Floats:
+    """Exact peak rates of every candidate: velocity where acceleration is zero, acceleration where jerk is.
+
+    Parameters
+    ----------
+    waypoints : array of shape (4, n_joints), rad or m
+    durations : array of shape (n_candidates, 3), s
+    orders : tuple of int
+        Which derivatives; leaving out those without a limit saves their work.
+
     Returns
     -------
-    array of shape (n_candidates, 3, n_joints)
-        Orders 1, 2, 3 on the middle axis.
+    array of shape (n_candidates, len(orders), n_joints)
     """
-    ends = np.abs(np.diff(waypoints, axis=0))[[0, 2]]
-    middle = unit_coefficients(waypoints, durations)[:, 1]
-    result = np.empty((len(durations), 3, waypoints.shape[1]))
-    for order, factor in enumerate((3.0, 6.0, 6.0), start=1):
-        middle = polynomial.derivative(middle)
-        start, inner, stop = durations.T[:, :, None] ** order
-        cubic = np.maximum(factor * ends[0] / start, factor * ends[1] / stop)
-        result[:, order - 1] = np.maximum(cubic, polynomial.peak(middle) / inner)
+    c1, c2, c3, c4, c5 = hermite(waypoints, durations)
+    velocity = (c1, 2 * c2, 3 * c3, 4 * c4, 5 * c5)
+    acceleration = (velocity[1], 6 * c3, 12 * c4, 20 * c5)
+    jerk = (acceleration[1], 24 * c4, 60 * c5)
+    middle = {1: velocity, 2: acceleration, 3: jerk, 4: (24 * c4, 120 * c5)}
+    ends = np.abs(np.diff(waypoints, axis=0))[[0, 2], :, None]
+    result = np.empty((len(durations), len(orders), waypoints.shape[1]))
+    for slot, order in enumerate(orders):
+        factor = 3.0 if order == 1 else 6.0
+        start, inner, stop = np.ascontiguousarray(durations.T) ** order
+        cubic = np.maximum(ends[0] * (factor / start), ends[1] * (factor / stop))
+        quintic = polynomial.peak_of_terms(middle[order], middle[order + 1])
+        result[:, slot] = np.maximum(cubic, quintic / inner).T
     return result
