@@ -1,0 +1,166 @@
+"""Results as text and arrays and back, exact to the last bit and the same bytes every time; never pickle."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from study.errors import StudyError
+from study.experiment.results import Cell, Result
+from study.judge import Verdict
+from study.planning import RunSettings, Status
+from study.problem import Problem
+from study.trajectory import Motion, ParametricTrajectory, Trajectory
+
+Arrays = dict[str, NDArray[Any]]
+MOTIONS: dict[str, type[Trajectory] | type[ParametricTrajectory]] = {
+    "Trajectory": Trajectory,
+    "ParametricTrajectory": ParametricTrajectory,
+}
+_VERDICT_SCALARS = ("duration", "continuity", "violation", "reasons")
+
+
+def canonical(document: object) -> str:
+    """Write JSON in one fixed way: sorted keys, no spaces, shortest exact floats."""
+    return json.dumps(document, sort_keys=True, separators=(",", ":"))
+
+
+def problem_content(problem: Problem) -> dict[str, object]:
+    """Everything a planner sees of a problem, as plain data."""
+    limits = {field.name: getattr(problem.limits, field.name).tolist() for field in fields(problem.limits)}
+    return {
+        "name": problem.name,
+        "waypoints": problem.waypoints.tolist(),
+        "limits": limits,
+        "end": problem.end.name,
+        "duration_bounds": list(problem.duration_bounds),
+        "allow_dwell": problem.allow_dwell,
+        "joint_names": list(problem.joint_names),
+    }
+
+
+def cell_key(cell: Cell, problem: Problem, version: str) -> str:
+    """Name a cell by what determines its result.
+
+    Parameters
+    ----------
+    cell : Cell
+    problem : Problem
+        The case's content: a changed waypoint or limit is another cell.
+    version : str
+        Of the code that runs.
+
+    Returns
+    -------
+    str
+        SHA-256 in hexadecimal.
+    """
+    content = {
+        "problem": problem_content(problem),
+        "planner": cell.planner,
+        "settings": asdict(cell.settings),
+        "version": version,
+    }
+    return hashlib.sha256(canonical(content).encode()).hexdigest()
+
+
+def pack_arrays(arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    """Write named arrays as an uncompressed NumPy archive, which carries no time stamps."""
+    buffer = io.BytesIO()
+    np.savez(buffer, allow_pickle=False, **arrays)
+    return buffer.getvalue()
+
+
+def unpack_arrays(blob: bytes) -> Arrays:
+    """Read what `pack_arrays` wrote; an archive with pickled objects is refused."""
+    with np.load(io.BytesIO(blob), allow_pickle=False) as archive:
+        return {name: archive[name] for name in archive.files}
+
+
+def encode(result: Result) -> tuple[str, bytes]:
+    """Turn a result, without its cell and wall time, into a JSON document and an archive of arrays.
+
+    Raises
+    ------
+    StudyError
+        If the motion is of a kind that cannot be stored exactly.
+    """
+    document: dict[str, object] = {
+        "status": result.status.name,
+        "message": result.message,
+        "evaluations": int(result.evaluations),
+        "iterations": int(result.iterations),
+        "details": {name: float(value) for name, value in result.details.items()},
+    }
+    arrays: Arrays = {"history": np.asarray(result.history)}
+    if result.durations is not None:
+        arrays["durations"] = np.asarray(result.durations)
+    if result.motion is not None:
+        document["motion"] = type(result.motion).__name__
+        arrays.update(_motion_arrays(result.motion))
+    if result.verdict is not None:
+        document["verdict"] = {name: getattr(result.verdict, name) for name in _VERDICT_SCALARS}
+        arrays.update({f"verdict.{name}": getattr(result.verdict, name) for name in _verdict_arrays()})
+    return canonical(document), pack_arrays(arrays)
+
+
+def decode(cell: Cell, document_text: str, blob: bytes, wall_time: float) -> Result:
+    """Turn what `encode` wrote back into a result."""
+    document, arrays = json.loads(document_text), unpack_arrays(blob)
+    return Result(
+        cell=cell,
+        status=Status[document["status"]],
+        message=document["message"],
+        motion=_motion(document["motion"], arrays) if "motion" in document else None,
+        verdict=_verdict(document["verdict"], arrays) if "verdict" in document else None,
+        durations=arrays.get("durations"),
+        evaluations=document["evaluations"],
+        iterations=document["iterations"],
+        history=arrays["history"],
+        details=document["details"],
+        wall_time=wall_time,
+    )
+
+
+def settings_from(text: str) -> RunSettings:
+    """Read run settings from JSON."""
+    return RunSettings(**json.loads(text))
+
+
+def check_storable(motion: Motion) -> None:
+    """Refuse a motion of a kind that cannot be stored exactly.
+
+    Raises
+    ------
+    StudyError
+        If the motion is not one of the kinds in `MOTIONS`.
+    """
+    name = type(motion).__name__
+    if MOTIONS.get(name) is not type(motion):
+        raise StudyError(f"a motion must be one of {', '.join(MOTIONS)}, the planner returned a {name}")
+
+
+def _motion_arrays(motion: Motion) -> Arrays:
+    check_storable(motion)
+    return {f"motion.{field.name}": getattr(motion, field.name) for field in fields(MOTIONS[type(motion).__name__])}
+
+
+def _motion(name: str, arrays: Arrays) -> Motion:
+    parts = {key.removeprefix("motion."): value for key, value in arrays.items() if key.startswith("motion.")}
+    return MOTIONS[name](**parts)
+
+
+def _verdict_arrays() -> list[str]:
+    return [field.name for field in fields(Verdict) if field.name not in _VERDICT_SCALARS]
+
+
+def _verdict(scalars: Mapping[str, Any], arrays: Arrays) -> Verdict:
+    tables: dict[str, Any] = {name: arrays[f"verdict.{name}"] for name in _verdict_arrays()}
+    return Verdict(**{**scalars, **tables, "reasons": tuple(scalars["reasons"])})
