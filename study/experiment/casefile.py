@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from study.experiment.datafiles import Strict
+from study.datafiles import Strict
 from study.problem import Floats
 
 Unit = Literal["rad", "deg", "m", "mm"]
@@ -102,17 +102,17 @@ class CaseFile(Strict):
     robot: str | None = None
     units: list[Unit]
     waypoints: Waypoints
-    fixed_joints: dict[Annotated[int, Field(ge=1)], float] = {}
+    fixed_joints: dict[Annotated[int, Field(ge=1)], float] = Field(default_factory=dict)
     limits: Limits
     end: Literal["free", "rest", "smooth"]
     duration_bounds: Bounds
     curve: str
     planner: str
     settings: Settings
-    published: list[Printed] = []
-    notes: list[str] = []
+    published: list[Printed] = Field(default_factory=list)
+    notes: list[str] = Field(default_factory=list)
     default: bool = True
-    variants: dict[str, Variant] = {}
+    variants: dict[str, Variant] = Field(default_factory=dict)
 
 
 class Variant(Strict):
@@ -129,7 +129,7 @@ class Variant(Strict):
     planner: str | None = None
     settings: dict[str, Any] | None = None
     published: list[Any] | None = None
-    notes: list[str] = []
+    notes: list[str] = Field(default_factory=list)
 
 
 def varied(base: CaseFile, name: str) -> dict[str, Any]:

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from study.curves import curve_named
+from study.datafiles import checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
 from study.experiment.casefile import SI, CaseFile, Limits, Printed, Rates, Unit, in_si, varied
-from study.experiment.datafiles import checked, data_folder, read_yaml
 from study.planning import RunSettings
 from study.problem import EndCondition, Floats, JointLimits, Problem, frozen_array
 
