@@ -1,30 +1,42 @@
-"""Particle swarm optimisation, basic and standard.
+"""Particle swarm optimisation: the state of a swarm, the velocity update, and the plain algorithm.
 
 References
 ----------
-Woodworking paper, Eqs. (19)-(21); AUBO paper, Eq. (11); PUMA560 paper, Section 3.2.
+Woodworking paper, Eqs. (19)-(21); AUBO paper, Eq. (11); PUMA560 paper, Section 3.2. Kennedy and Eberhart 1995.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
+from study.errors import unknown
 from study.problem import Floats
 from study.search.bounds import bounded
 from study.search.loop import Box, State
 
+CLAMPS = ("absolute", "share")
+
 
 @dataclass(frozen=True, eq=False)
 class SwarmState(State):
-    """A population with velocities and every particle's own best; arrays of shape (n_candidates, n_dimensions)."""
+    """A population in which every particle remembers its own best.
 
-    velocities: Floats
+    Attributes
+    ----------
+    own_best : array of shape (n_candidates, n_dimensions)
+    own_values : array of shape (n_candidates,)
+    velocities : array of shape (n_candidates, n_dimensions)
+        Per generation; zeros in a swarm without velocities.
+    """
+
     own_best: Floats
     own_values: Floats
+    velocities: Floats
 
-    def remembered(self, values: Floats) -> SwarmState:
+    def remembered(self, values: Floats) -> Self:
         """Update own bests, Eq. (19) read as a comparison of fitness values, and the incumbent."""
         better = values < self.own_values
         incumbent, incumbent_value = self.improved(values)
@@ -39,7 +51,7 @@ class SwarmState(State):
 
 
 def new_swarm(box: Box, positions: Floats, velocities: Floats, generations: int) -> SwarmState:
-    """State of a swarm that has not been evaluated yet."""
+    """State of a swarm that has not been evaluated yet; positions and velocities have the population's shape."""
     return SwarmState(
         box=box,
         candidates=positions,
@@ -47,67 +59,115 @@ def new_swarm(box: Box, positions: Floats, velocities: Floats, generations: int)
         generation=0,
         incumbent=positions[0],
         incumbent_value=np.inf,
-        velocities=velocities,
         own_best=positions,
         own_values=np.full(len(positions), np.inf),
+        velocities=velocities,
     )
 
 
+def swarm_at_rest(box: Box, positions: Floats, generations: int) -> SwarmState:
+    """State of a swarm that starts without velocity."""
+    return new_swarm(box, positions, np.zeros_like(positions), generations)
+
+
+def uniform_population(box: Box, population: int, rng: np.random.Generator) -> Floats:
+    """Independent uniform candidates in the box, shape (population, n_dimensions)."""
+    return box.at(rng.random((population, len(box.lower))))
+
+
+def linear(ends: tuple[float, float], progress: float) -> float:
+    """Go from one number to another in proportion to the progress of the search."""
+    return ends[0] + (ends[1] - ends[0]) * progress
+
+
 @dataclass(frozen=True)
-class PSO:
-    """Particle swarm with linear inertia and constant learning factors.
+class Flight:
+    """What limits a particle's flight.
 
     Attributes
     ----------
-    inertia : tuple of two floats
-        Weight at the start and at the end; the papers' basic PSO keeps 1.
-    cognitive, social : float
-        Learning factors c1 and c2.
     clamp : float
-        Largest velocity as a share of the box's width.
+        Largest velocity per generation and coordinate; infinity for none.
+    unit : str
+        `share` takes the clamp as a share of the box's width, `absolute` in the unit of the positions.
     bounds : str
         A rule of `study.search.bounds`.
+
+    Raises
+    ------
+    StudyError
+        If there is no such unit.
     """
 
-    inertia: tuple[float, float] = (0.9, 0.4)
-    cognitive: float = 2.0
-    social: float = 2.0
     clamp: float = 0.2
+    unit: str = "share"
     bounds: str = "clip"
 
-    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
-        """Spread particles uniformly, at rest."""
-        positions = box.at(rng.random((population, len(box.lower))))
-        return new_swarm(box, positions, np.zeros_like(positions), generations)
+    def __post_init__(self) -> None:
+        if self.unit not in CLAMPS:
+            raise unknown("unit of a velocity clamp", self.unit, CLAMPS)
 
-    def ask(self, state: SwarmState, rng: np.random.Generator) -> SwarmState:
-        """Move every particle."""
-        w = self.inertia[0] + (self.inertia[1] - self.inertia[0]) * state.progress
-        return moved(state, rng, (w, self.cognitive, self.social), self.clamp * state.box.width, self.bounds)
-
-    def tell(self, state: SwarmState, values: Floats, rng: np.random.Generator) -> SwarmState:
-        """Remember what was better."""
-        return state.remembered(values)
+    def clamped(self, box: Box, velocities: Floats) -> Floats:
+        """Cut velocities off at the clamp."""
+        limit = self.clamp * box.width if self.unit == "share" else self.clamp
+        return np.clip(velocities, -limit, limit)
 
 
-def moved(
-    state: SwarmState, rng: np.random.Generator, weights: tuple[float, float, float], clamp: Floats, bounds: str
+def flown(
+    state: SwarmState, rng: np.random.Generator, weights: tuple[float, float, float], flight: Flight
 ) -> SwarmState:
-    """Velocity and position update shared by the velocity-based swarms.
+    """Velocity and position update shared by all swarms with velocities.
 
     Parameters
     ----------
     state : SwarmState
     rng : numpy.random.Generator
     weights : inertia w and learning factors c1, c2
-    clamp : array of shape (n_dimensions,)
-        Largest velocity, in the unit of the positions per generation.
-    bounds : str
+    flight : Flight
+
+    References
+    ----------
+    Woodworking paper, Eqs. (20), (21).
     """
     w, c1, c2 = weights
     x = state.candidates
     r1, r2 = rng.random((2, *x.shape))
     v = w * state.velocities + c1 * r1 * (state.own_best - x) + c2 * r2 * (state.incumbent - x)  # eq. (20)
-    v = np.clip(v, -clamp, clamp)
-    x, v = bounded(bounds, state.box, x + v, v)  # eq. (21)
+    v = flight.clamped(state.box, v)
+    x, v = bounded(flight.bounds, state.box, x + v, v)  # eq. (21)
     return replace(state, candidates=x, velocities=v)
+
+
+@dataclass(frozen=True)
+class PSO:
+    """Particle swarm with linear inertia and constant learning factors.
+
+    The defaults are the textbook's; no paper prints a complete set. The papers' basic PSO keeps the inertia at 1.
+
+    Attributes
+    ----------
+    inertia : tuple of two floats
+        Weight w at the start and at the end (Shi and Eberhart 1998).
+    cognitive, social : float
+        Learning factors c1 and c2 (Kennedy and Eberhart 1995).
+    flight : Flight
+        Clamp and bounds rule; 0.2 of the box's width and `clip` are ours.
+    """
+
+    inertia: tuple[float, float] = (0.9, 0.4)
+    cognitive: float = 2.0
+    social: float = 2.0
+    flight: Flight = Flight()
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
+        """Spread particles uniformly, at rest."""
+        return swarm_at_rest(box, uniform_population(box, population, rng), generations)
+
+    def ask(self, state: SwarmState, rng: np.random.Generator) -> SwarmState:
+        """Move every particle."""
+        w = linear(self.inertia, state.progress)
+        return flown(state, rng, (w, self.cognitive, self.social), self.flight)
+
+    def tell(self, state: SwarmState, values: Floats, rng: np.random.Generator) -> SwarmState:
+        """Remember what was better."""
+        return state.remembered(values)

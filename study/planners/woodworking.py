@@ -1,0 +1,48 @@
+"""Searches of the woodworking paper (GoldS-PSO, 2023) with its constants; what it does not print is marked ours.
+
+References
+----------
+Woodworking paper, Sections 2.3 to 2.5 and 3.2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from study.planners.segment_times import SegmentTimePlanner
+from study.search.cfpso import CFPSO
+from study.search.gold_sa import GoldSA
+from study.search.golds_pso import GoldSPSO
+from study.search.pso import PSO, Flight
+from study.search.simple_pso import SimplePSO
+
+_GOLDS_PSO = GoldSPSO(
+    inertia=(0.9, 0.4),  # ours: eq. (24) names w_max and w_min, no values
+    cognitive=2.0,  # ours
+    social=2.0,  # ours
+    acceleration=0.5,  # ours: lambda of eq. (30)
+    bounds="clip",  # Section 2.4.3, Step 5
+)
+_GOLD_SA = GoldSA(interval=(-np.pi, np.pi), bounds="clip")  # Section 2.4.3: initial a and b
+
+GOLDS_PSO = SegmentTimePlanner(_GOLDS_PSO)
+GOLDS_PSO_AS_PRINTED = SegmentTimePlanner(replace(_GOLDS_PSO, reading="as-printed"))
+GOLD_SA = SegmentTimePlanner(_GOLD_SA)
+GOLD_SA_AS_PRINTED = SegmentTimePlanner(replace(_GOLD_SA, reading="as-printed"))
+
+PSO_BASIC = SegmentTimePlanner(
+    PSO(
+        inertia=(1.0, 1.0),  # Section 2.3: the basic PSO has w = 1
+        cognitive=1.49445,  # ours: not printed, explains Table 3
+        social=1.49445,
+        flight=Flight(clamp=3.0, unit="absolute", bounds="clip"),  # clamp ours (explains Table 3), box from Section 3.2
+    )
+)
+CF_PSO = SegmentTimePlanner(
+    CFPSO(cognitive=2.05, social=2.05, flight=Flight(clamp=np.inf, bounds="clip"))  # Clerc and Kennedy 2002
+)
+SIMPLE_PSO = SegmentTimePlanner(
+    SimplePSO(inertia=(0.9, 0.4), cognitive=2.0, social=2.0, bounds="clip")  # eq. (22); values after Hu and Li 2007
+)

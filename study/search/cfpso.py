@@ -1,0 +1,71 @@
+"""PSO with a constriction factor (CFPSO).
+
+References
+----------
+Woodworking paper, Section 2.5 (named, not printed); Clerc and Kennedy 2002.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from study.errors import StudyError
+from study.problem import Floats
+from study.search.loop import Box
+from study.search.pso import Flight, SwarmState, flown, swarm_at_rest, uniform_population
+
+UNCLAMPED = Flight(clamp=np.inf)
+
+
+def constriction(phi: float) -> float:
+    """Factor chi for phi = c1 + c2 > 4 (Clerc and Kennedy 2002): 0.7298 for phi = 4.1."""
+    return 2.0 / abs(2.0 - phi - np.sqrt(phi * phi - 4.0 * phi))
+
+
+@dataclass(frozen=True)
+class CFPSO:
+    """Particle swarm whose whole velocity is multiplied by the constriction factor.
+
+    Attributes
+    ----------
+    cognitive, social : float
+        Learning factors c1 and c2; 2.05 after Clerc and Kennedy. Their sum must exceed 4.
+    inertia_only : bool
+        Apply the factor to the old velocity alone: no algorithm of that name, yet it explains the woodworking paper's
+        Table 3 (with an absolute clamp of 3).
+    flight : Flight
+        Clamp and bounds rule; ours: no clamp, since the factor is meant to make one unnecessary.
+
+    Raises
+    ------
+    StudyError
+        If the learning factors are too small for a constriction.
+    """
+
+    cognitive: float = 2.05
+    social: float = 2.05
+    inertia_only: bool = False
+    flight: Flight = UNCLAMPED
+
+    def __post_init__(self) -> None:
+        if self.cognitive + self.social <= 4:
+            raise StudyError(
+                f"CFPSO needs learning factors whose sum exceeds 4, got {self.cognitive:g} and {self.social:g}; "
+                "2.05 each is usual"
+            )
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
+        """Spread particles uniformly, at rest."""
+        return swarm_at_rest(box, uniform_population(box, population, rng), generations)
+
+    def ask(self, state: SwarmState, rng: np.random.Generator) -> SwarmState:
+        """Move every particle."""
+        chi = constriction(self.cognitive + self.social)
+        pull = 1.0 if self.inertia_only else chi
+        return flown(state, rng, (chi, pull * self.cognitive, pull * self.social), self.flight)
+
+    def tell(self, state: SwarmState, values: Floats, rng: np.random.Generator) -> SwarmState:
+        """Remember what was better."""
+        return state.remembered(values)

@@ -1,0 +1,84 @@
+"""Dynamic adaptive PSO: inertia and learning factors that change with the generation.
+
+As printed the inertia *grows*, c1 is a constant (it holds 1/N where n/N must be meant), and the swarm starts above the
+box. The `standard` reading mends these three and nothing else.
+
+References
+----------
+AUBO paper, Eqs. (11)-(15), Section 4.3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from study.problem import Floats
+from study.search.loop import Box
+from study.search.pso import Flight, SwarmState, flown, linear, new_swarm
+from study.search.reading import is_printed
+
+FLIGHT = Flight(clamp=4.0, unit="absolute")  # Section 4.3
+
+
+@dataclass(frozen=True)
+class DynamicAdaptivePSO:
+    """Particle swarm with scheduled inertia and learning factors.
+
+    Attributes
+    ----------
+    inertia : tuple of two floats
+        w_max and w_min (Section 4.3).
+    learning : tuple of two floats
+        c_max and c_min (Section 4.3).
+    one_number : bool
+        Eq. (15) draws one number per particle, so all start on a diagonal of the box; without it, one per coordinate.
+    flight : Flight
+        Velocities within [-4, 4] (Section 4.3), twice the width of the paper's box; the bounds rule is ours.
+    reading : str
+        `standard`: w falls, c1 falls from c_max to c_min, positions start inside the box. `as-printed`: w grows, c1 stays
+        next to c_min, positions start one width above the box.
+
+    Raises
+    ------
+    StudyError
+        If there is no such reading.
+    """
+
+    inertia: tuple[float, float] = (0.9, 0.1)
+    learning: tuple[float, float] = (2.5, 1.5)
+    one_number: bool = True
+    flight: Flight = FLIGHT
+    reading: str = "standard"
+
+    def __post_init__(self) -> None:
+        is_printed(self.reading)
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
+        """Start as in Eq. (15), with velocities in [0, 1)."""
+        dimensions = len(box.lower)
+        fractions = rng.random((population, 1 if self.one_number else dimensions))
+        start = box.upper if is_printed(self.reading) else box.lower
+        positions = start + fractions * box.width  # eq. (15)
+        return new_swarm(box, positions, rng.random((population, dimensions)), generations)
+
+    def weights(self, state: SwarmState) -> tuple[float, float, float]:
+        """Inertia w and learning factors c1, c2 of the generation to come."""
+        w_max, w_min = self.inertia
+        c_max, c_min = self.learning
+        n, total = state.generation, state.generations
+        c2 = c_min + (c_max - c_min) * np.sin(np.pi / 2 * n / total)  # eq. (14)
+        if is_printed(self.reading):
+            c1 = c_max - (c_max - c_min) * np.sin(np.pi / 2 * (1 - 1 / total)) ** 2  # eq. (14), to the letter
+            return linear((w_min, w_max), n / total), c1, c2  # eq. (13), to the letter
+        c1 = c_max - (c_max - c_min) * np.sin(np.pi / 2 * n / total) ** 2
+        return linear((w_max, w_min), n / total), c1, c2
+
+    def ask(self, state: SwarmState, rng: np.random.Generator) -> SwarmState:
+        """Move every particle, Eq. (11)."""
+        return flown(state, rng, self.weights(state), self.flight)
+
+    def tell(self, state: SwarmState, values: Floats, rng: np.random.Generator) -> SwarmState:
+        """Remember what was better."""
+        return state.remembered(values)

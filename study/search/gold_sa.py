@@ -1,0 +1,154 @@
+"""Golden sine algorithm (Gold-SA).
+
+The coefficients x1 and x2 follow a golden-section search that takes one step after *every evaluation*, while positions
+move once per generation: all candidates of a generation see the same incumbent and the same x1 and x2. The circulated
+original works in the same two passes, so evaluating a generation in one call changes nothing; `tell` then walks through
+the values in the order of the candidates, each compared with the best before it. The initial population takes no step.
+
+References
+----------
+Woodworking paper, Eqs. (25)-(28), which shows the initial a and b only; Tanyildizi and Demir 2017.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from study.problem import Floats
+from study.search.bounds import bounded
+from study.search.loop import Box, State
+from study.search.pso import uniform_population
+from study.search.reading import is_printed
+
+TAU = (np.sqrt(5.0) - 1.0) / 2.0  # eq. (28)
+
+
+@dataclass(frozen=True)
+class Sections:
+    """Interval (a, b) and the golden-section coefficients x1 and x2 in it."""
+
+    a: float
+    b: float
+    x1: float
+    x2: float
+
+    @classmethod
+    def of(cls, a: float, b: float) -> Sections:
+        """Divide an interval as the original does."""
+        return cls(a, b, x1=a + (1 - TAU) * (b - a), x2=a + TAU * (b - a))
+
+    @classmethod
+    def printed(cls, a: float, b: float) -> Sections:
+        """Divide an interval as the woodworking paper prints it: x1 and x2 have changed places."""
+        return cls(a, b, x1=a * (1 - TAU) + b * TAU, x2=a * TAU + b * (1 - TAU))  # eq. (26), (27)
+
+    def stepped(self, better: bool) -> Sections:
+        """Shrink the interval from the right after a new best value, from the left otherwise."""
+        if better:
+            return Sections(self.a, self.x2, x1=self.a + (1 - TAU) * (self.x2 - self.a), x2=self.x1)
+        return Sections(self.x1, self.b, x1=self.x2, x2=self.x1 + TAU * (self.b - self.x1))
+
+    def after(self, values: Floats, best: float, rng: np.random.Generator) -> Sections:
+        """Take one step per evaluation, in order; a collapsed interval is drawn anew in (-pi, 0) and (0, pi).
+
+        Parameters
+        ----------
+        values : array of shape (n_candidates,)
+        best : float
+            Best value before them.
+        rng : numpy.random.Generator
+        """
+        sections = self
+        before = np.minimum.accumulate(np.concatenate([[best], values[:-1]]))
+        for better in (values < before).tolist():
+            sections = sections.stepped(better)
+            if sections.x1 == sections.x2:
+                sections = Sections.of(-np.pi * rng.random(), np.pi * rng.random())
+        return sections
+
+
+def golden_angles(
+    shape: tuple[int, int], per_dimension: bool, linked: bool, rng: np.random.Generator
+) -> tuple[Floats, Floats]:
+    """Draw R1 in (0, 2 pi) and R2 in (0, pi) of Eq. (25), one pair per candidate or per coordinate.
+
+    Parameters
+    ----------
+    shape : tuple of two ints
+        Shape of the population.
+    per_dimension : bool
+        One pair for every coordinate instead of every candidate.
+    linked : bool
+        Take R2 = R1 / 2, as the circulated original does.
+    rng : numpy.random.Generator
+    """
+    drawn = shape if per_dimension else (shape[0], 1)
+    r1 = 2 * np.pi * rng.random(drawn)
+    return r1, r1 / 2 if linked else np.pi * rng.random(drawn)
+
+
+@dataclass(frozen=True, eq=False)
+class GoldState(State):
+    """A population and the golden-section coefficients."""
+
+    sections: Sections
+
+
+@dataclass(frozen=True)
+class GoldSA:
+    """Golden sine algorithm.
+
+    Attributes
+    ----------
+    interval : tuple of two floats
+        Initial a and b; the paper's Section 2.4.3.
+    reading : str
+        `standard`: x1 and x2 step after every evaluation (the original). `as-printed`: they keep the values of
+        Eqs. (26), (27), since no update is printed.
+    per_dimension : bool
+        R1 and R2 per coordinate; per candidate in the original.
+    linked : bool
+        R2 = R1 / 2, as in the circulated original; the paper names two random numbers.
+    bounds : str
+        A rule of `study.search.bounds`; `clip` in the original.
+
+    Raises
+    ------
+    StudyError
+        If there is no such reading.
+    """
+
+    interval: tuple[float, float] = (-np.pi, np.pi)
+    reading: str = "standard"
+    per_dimension: bool = False
+    linked: bool = False
+    bounds: str = "clip"
+
+    def __post_init__(self) -> None:
+        is_printed(self.reading)
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> GoldState:
+        """Spread candidates uniformly."""
+        x = uniform_population(box, population, rng)
+        sections = Sections.printed if is_printed(self.reading) else Sections.of
+        return GoldState(box, x, generations, 0, x[0], np.inf, sections(*self.interval))
+
+    def ask(self, state: GoldState, rng: np.random.Generator) -> GoldState:
+        """Move every candidate."""
+        x, s = state.candidates, state.sections
+        r1, r2 = golden_angles((len(x), x.shape[1]), self.per_dimension, self.linked, rng)
+        pull = np.abs(s.x1 * state.incumbent - s.x2 * x)
+        x = x * np.abs(np.sin(r1)) - r2 * np.sin(r1) * pull  # eq. (25)
+        return replace(state, candidates=bounded(self.bounds, state.box, x)[0])
+
+    def tell(self, state: GoldState, values: Floats, rng: np.random.Generator) -> GoldState:
+        """Remember the best and step the golden sections."""
+        sections = state.sections
+        if state.generation and not is_printed(self.reading):
+            sections = sections.after(values, state.incumbent_value, rng)
+        incumbent, value = state.improved(values)
+        return replace(
+            state, incumbent=incumbent, incumbent_value=value, generation=state.generation + 1, sections=sections
+        )

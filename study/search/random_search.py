@@ -1,0 +1,30 @@
+"""Random search: the floor that every metaheuristic must beat."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from study.problem import Floats
+from study.search.loop import Box, State
+from study.search.pso import uniform_population
+
+
+@dataclass(frozen=True)
+class RandomSearch:
+    """Draw every generation uniformly from the box and remember the best."""
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> State:
+        """Draw the first generation."""
+        candidates = uniform_population(box, population, rng)
+        return State(box, candidates, generations, 0, candidates[0], np.inf)
+
+    def ask(self, state: State, rng: np.random.Generator) -> State:
+        """Draw the next generation."""
+        return replace(state, candidates=uniform_population(state.box, len(state.candidates), rng))
+
+    def tell(self, state: State, values: Floats, rng: np.random.Generator) -> State:
+        """Remember the best."""
+        incumbent, value = state.improved(values)
+        return replace(state, incumbent=incumbent, incumbent_value=value, generation=state.generation + 1)
