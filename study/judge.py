@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from study.errors import StudyError
 from study.problem import EndCondition, Floats, Problem
@@ -83,7 +84,8 @@ def judge(problem: Problem, motion: Motion) -> Verdict:
 
     A step in velocity needs infinite acceleration and a step in acceleration infinite jerk, so each breaks a finite limit
     of that kind; where the problem gives no such limit, the step is allowed. At both ends only the problem's end
-    condition counts.
+    condition counts, and a rate that may step inside may step there: a joint without acceleration limit leaves rest in
+    no time, and one without jerk limit reaches full acceleration in no time.
 
     Parameters
     ----------
@@ -177,9 +179,14 @@ def _waypoint_findings(problem: Problem, error: Floats) -> Iterator[_Finding]:
     yield _Finding(float(relative[joint]), f"misses a waypoint by {error[joint]:.3g} in {_at_joint(problem, joint)}")
 
 
+def _steps_forbidden(problem: Problem) -> list[NDArray[np.bool_]]:
+    """Which joints may not step in position (none), velocity and acceleration (those that limit a higher rate)."""
+    limited = np.isfinite(problem.limits.rates)
+    return [np.ones(problem.n_joints, dtype=bool), limited[1:].any(axis=0), limited[2]]
+
+
 def _step_findings(problem: Problem, steps: list[Floats], scales: list[Floats]) -> Iterator[_Finding]:
-    rates = problem.limits.rates
-    forbidden = [np.ones(problem.n_joints, dtype=bool), np.isfinite(rates[1]), np.isfinite(rates[2])]
+    forbidden = _steps_forbidden(problem)
     for name, step, scale, mask in zip(("position", *RATES), steps, scales, forbidden, strict=False):
         relative = np.where(mask, step / np.where(scale > 0, scale, 1.0), 0.0)
         joint = int(relative.argmax())
@@ -190,8 +197,9 @@ def _step_findings(problem: Problem, steps: list[Floats], scales: list[Floats]) 
 
 def _end_findings(problem: Problem, ends: list[Floats], scales: list[Floats]) -> Iterator[_Finding]:
     demanded = {EndCondition.FREE: 0, EndCondition.REST: 1, EndCondition.SMOOTH: 2}[problem.end]
-    for name, value, scale in list(zip(RATES, ends, scales[1:], strict=False))[:demanded]:
-        relative = np.abs(value) / np.where(scale > 0, scale, 1.0)
+    held = _steps_forbidden(problem)[1:]
+    for name, value, scale, mask in list(zip(RATES, ends, scales[1:], held, strict=False))[:demanded]:
+        relative = np.where(mask, np.abs(value) / np.where(scale > 0, scale, 1.0), 0.0)
         instant, joint = np.unravel_index(relative.argmax(), relative.shape)
         yield _Finding(
             float(relative[instant, joint]),

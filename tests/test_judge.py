@@ -66,11 +66,14 @@ def test_a_missed_waypoint_is_infeasible():
 
 def test_end_conditions():
     assert judge(problem(end=EndCondition.REST), cubic()).feasible
-    smooth = judge(problem(acceleration=60.0, end=EndCondition.SMOOTH), cubic())
+    smooth = judge(problem(jerk=60.0, end=EndCondition.SMOOTH), cubic())
     assert "acceleration of joint 1 is" in smooth.reasons[0]
+    assert judge(problem(acceleration=60.0, end=EndCondition.SMOOTH), cubic()).feasible
     line = Trajectory(np.array([0.0, 1.0]), np.array([[[0.0], [1.0]]]), np.array([0.0, 1.0]))
     assert judge(problem(acceleration=1.0, end=EndCondition.FREE), line).feasible
     assert "velocity of joint 1 is" in judge(problem(acceleration=1.0), line).reasons[0]
+    assert "velocity of joint 1 is" in judge(problem(jerk=1.0), line).reasons[0]
+    assert judge(problem(end=EndCondition.SMOOTH), line).feasible
 
 
 def two_lines(first_slope):
