@@ -1,0 +1,130 @@
+"""A world of axis-aligned boxes, and exact tests of segments and capsules against it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from study.errors import StudyError
+from study.problem import Floats, frozen_array
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """Free space is a box; obstacles are boxes inside it. One unit of length throughout.
+
+    Parameters
+    ----------
+    lower, upper : arrays of shape (3,)
+        Corners of the space.
+    obstacles : array of shape (n_obstacles, 2, 3)
+        Lower and upper corner of every obstacle.
+
+    Raises
+    ------
+    StudyError
+        If a corner is not below its opposite, or shapes disagree.
+    """
+
+    lower: Floats
+    upper: Floats
+    obstacles: Floats
+
+    def __post_init__(self) -> None:
+        for name in ("lower", "upper", "obstacles"):
+            object.__setattr__(self, name, frozen_array(getattr(self, name), f"world: {name}"))
+        if self.obstacles.ndim != 3 or self.obstacles.shape[1:] != (2, 3) or self.lower.shape != (3,):
+            raise StudyError(
+                f"world: corners need shape (3,) and obstacles (n, 2, 3), got {self.lower.shape} and {self.obstacles.shape}"
+            )
+        if (self.obstacles[:, 0] >= self.obstacles[:, 1]).any() or (self.lower >= self.upper).any():
+            raise StudyError("world: every box needs a lower corner below its upper corner in all three coordinates")
+
+    def hits(self, start: Floats, stop: Floats) -> np.ndarray:
+        """Whether segments touch an obstacle, by the slab test; bool array of shape (n_segments,).
+
+        Parameters
+        ----------
+        start, stop : arrays of shape (n_segments, 3)
+        """
+        direction = (stop - start)[:, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            near = (self.obstacles[:, 0] - start[:, None]) / direction
+            far = (self.obstacles[:, 1] - start[:, None]) / direction
+        inside = (start[:, None] >= self.obstacles[:, 0]) & (start[:, None] <= self.obstacles[:, 1])
+        enter = np.where(direction == 0, np.where(inside, -np.inf, np.inf), np.minimum(near, far)).max(axis=2)
+        leave = np.where(direction == 0, np.where(inside, np.inf, -np.inf), np.maximum(near, far)).min(axis=2)
+        return ((enter <= leave) & (leave >= 0) & (enter <= 1)).any(axis=1)
+
+    def clearance(self, start: Floats, stop: Floats) -> Floats:
+        """Smallest distance from each segment to any obstacle, shape (n_segments,); 0 where they touch.
+
+        The distance from a point of a segment to a convex box is convex along the segment, so a golden-section search
+        finds its minimum to rounding.
+
+        Parameters
+        ----------
+        start, stop : arrays of shape (n_segments, 3)
+        """
+        if not len(self.obstacles):
+            return np.full(len(start), np.inf)
+        low = np.zeros((len(start), len(self.obstacles)))
+        high = np.ones_like(low)
+        ratio = (np.sqrt(5.0) - 1.0) / 2.0
+        for _ in range(60):
+            left, right = high - ratio * (high - low), low + ratio * (high - low)
+            nearer = self._distance(start, stop, left) < self._distance(start, stop, right)
+            low, high = np.where(nearer, low, left), np.where(nearer, right, high)
+        ends = [self._distance(start, stop, np.full_like(low, u)) for u in (0.0, 1.0)]
+        inner = self._distance(start, stop, 0.5 * (low + high))
+        distance = np.minimum(inner, np.minimum(*ends)).min(axis=1)
+        return np.where(self.hits(start, stop), 0.0, distance)
+
+    def _distance(self, start: Floats, stop: Floats, u: Floats) -> Floats:
+        points = start[:, None] + u[..., None] * (stop - start)[:, None]
+        gap = np.maximum(np.maximum(self.obstacles[:, 0] - points, points - self.obstacles[:, 1]), 0.0)
+        return np.linalg.norm(gap, axis=2)
+
+
+def arm_clearance(world: World, links: Floats, radius: float) -> Floats:
+    """Distance between a moving arm and the obstacles at every instant, shape (n_times,); negative in collision.
+
+    Parameters
+    ----------
+    world : World
+    links : array of shape (n_times, n_points, 3)
+        Joint positions along the arm; consecutive points are the axis of a capsule.
+    radius : float
+        Radius of the capsules.
+    """
+    n_times, n_points, _ = links.shape
+    start, stop = links[:, :-1].reshape(-1, 3), links[:, 1:].reshape(-1, 3)
+    return world.clearance(start, stop).reshape(n_times, n_points - 1).min(axis=1) - radius
+
+
+def random_world(rng: np.random.Generator, n_obstacles: int = 12, side: float = 1000.0) -> World:
+    """Boxes of varying size in a cube, leaving two opposite corners free.
+
+    The PUMA560 paper's cube is 1000 on a side with start and goal at opposite corners; it does not print its
+    obstacles, so these are ours, drawn from a seed.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    n_obstacles : int
+    side : float
+
+    References
+    ----------
+    PUMA560 paper, Section 3.1.
+    """
+    boxes: list[Floats] = []
+    while len(boxes) < n_obstacles:
+        size = rng.uniform(0.1, 0.3, 3) * side
+        corner = rng.uniform(0.0, side - size)
+        box = np.stack([corner, corner + size])
+        distances = [np.linalg.norm(np.clip(p, box[0], box[1]) - p) for p in (np.zeros(3), np.full(3, side))]
+        if min(distances) > 0.1 * side:
+            boxes.append(box)
+    return World(np.zeros(3), np.full(3, side), np.array(boxes).reshape(-1, 2, 3))
