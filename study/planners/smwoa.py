@@ -1,0 +1,23 @@
+"""The UR5 paper's planner, SMWOA, and the searches that it is compared with.
+
+References
+----------
+UR5 paper on SMWOA, Sections 2-4 and Tables 3 and 6.
+"""
+
+from __future__ import annotations
+
+import math
+
+from study.planners.segment_times import SegmentTimePlanner
+from study.search.sma import SMA
+from study.search.smwoa import SMWOA
+from study.search.woa import WOA
+
+# The paper prints exact zeros and 1e-33 for Rosenbrock's function in Table 3: Eqs. (12)-(15) alone give 1e-43 and 27,
+# with SMA's restart and shrinking branches they give 0 and 1e-2.
+SMWOA_PLANNER = SegmentTimePlanner(SMWOA(restart_share=0.03, shrinking=True))
+SMWOA_AS_PRINTED = SegmentTimePlanner(SMWOA(reading="as-printed"))
+WOA_PLANNER = SegmentTimePlanner(WOA())
+SMA_PLANNER = SegmentTimePlanner(SMA())
+SMA_AS_PRINTED = SegmentTimePlanner(SMA(reading="as-printed", log_base=math.e))

@@ -1,0 +1,91 @@
+"""The state of searches without velocities: a population and its values, replaced or improved generation by generation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from study.errors import StudyError, unknown
+from study.problem import Floats
+from study.search.loop import Box, State
+from study.search.pso import uniform_population
+
+
+@dataclass(frozen=True, eq=False)
+class PopulationState(State):
+    """A search's state with the population that the next candidates come from.
+
+    Attributes
+    ----------
+    members : array of shape (n_candidates, n_dimensions)
+    values : array of shape (n_candidates,)
+        Their objective values; infinite before the first evaluation.
+    """
+
+    members: Floats
+    values: Floats
+
+    def replaced(self, values: Floats) -> PopulationState:
+        """Take the candidates as the new population, better or not."""
+        return self._told(self.candidates, values, values)
+
+    def kept_better(self, values: Floats) -> PopulationState:
+        """Take each candidate only where it is better than the member it came from."""
+        better = values < self.values
+        members = np.where(better[:, None], self.candidates, self.members)
+        return self._told(members, np.where(better, values, self.values), values)
+
+    def _told(self, members: Floats, kept: Floats, values: Floats) -> PopulationState:
+        incumbent, incumbent_value = self.improved(values)
+        return replace(
+            self,
+            members=members,
+            values=kept,
+            incumbent=incumbent,
+            incumbent_value=incumbent_value,
+            generation=self.generation + 1,
+        )
+
+
+def new_population(box: Box, positions: Floats, generations: int) -> PopulationState:
+    """State of a population that has not been evaluated yet."""
+    return PopulationState(
+        box=box,
+        candidates=positions,
+        generations=generations,
+        generation=0,
+        incumbent=positions[0],
+        incumbent_value=np.inf,
+        members=positions,
+        values=np.full(len(positions), np.inf),
+    )
+
+
+def spread_population(box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
+    """State of a population spread uniformly over the box."""
+    return new_population(box, uniform_population(box, population, rng), generations)
+
+
+def check_choice(search: str, field: str, value: str, known: tuple[str, ...]) -> None:
+    """Refuse a named option of a search that it does not have.
+
+    Raises
+    ------
+    StudyError
+        Naming the search, the option and what would do.
+    """
+    if value not in known:
+        raise unknown(f"{field} of {search}", value, known)
+
+
+def check_share(search: str, field: str, value: float) -> None:
+    """Refuse a share or probability outside [0, 1].
+
+    Raises
+    ------
+    StudyError
+        Naming the search, the field and the value.
+    """
+    if not 0.0 <= value <= 1.0:
+        raise StudyError(f"{search}: {field} must lie between 0 and 1, got {value:g}")

@@ -1,0 +1,142 @@
+"""Slime mould algorithm.
+
+References
+----------
+UR5 paper on SMWOA, Section 2.2, Eqs. (8)-(11), after Li et al. (2020).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from study.problem import Floats
+from study.search.bounds import bounded
+from study.search.loop import Box
+from study.search.population import PopulationState, check_choice, check_share, spread_population
+from study.search.reading import is_printed
+
+RESTARTS = ("diagonal", "component")
+
+
+@dataclass(frozen=True)
+class SMA:
+    """Slime moulds approach the incumbent by the difference of two random members, shrink, or restart.
+
+    Attributes
+    ----------
+    reading : str
+        `as-printed` takes Eq. (8) at its word: the restart uses the very number that was found smaller than z, so it
+        lands in the lowest corner of the box, and v_c is the falling number itself, never negative. `standard` takes
+        the algorithm's own paper: a fresh number, and v_c uniform in [-b, b] with b falling from 1 to 0.
+    restart_share : float
+        z of Eq. (8). The paper gives no value; 0.03 in the algorithm's own paper.
+    restart : str
+        `diagonal` draws one number for all dimensions, as Eq. (8) and the circulated code do, a bias towards the box's
+        main diagonal; `component` one for each. The printed reading knows only the first.
+    log_base : float
+        Base of the logarithm in Eq. (11), printed as log; 10 in the circulated code.
+    bounds : str
+        A rule of `study.search.bounds`; ours.
+    """
+
+    reading: str = "standard"
+    restart_share: float = 0.03
+    restart: str = "diagonal"
+    log_base: float = 10.0
+    bounds: str = "clip"
+
+    def __post_init__(self) -> None:
+        is_printed(self.reading)
+        check_choice("SMA", "restart", self.restart, RESTARTS)
+        check_share("SMA", "restart_share", self.restart_share)
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
+        """Spread members uniformly."""
+        return spread_population(box, population, generations, rng)
+
+    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
+        """Move every member by Eq. (8)."""
+        x = state.members
+        n, d = x.shape
+        weights = fitness_weights(state.values, rng.random((n, d)), self.log_base)
+        v_b = arctanh_factor(state.progress) * (2.0 * rng.random((n, d)) - 1.0)
+        a, b = x[rng.integers(n, size=(2, n, d)), np.arange(d)]
+        approach = state.incumbent + v_b * (weights * a - b)
+        nears = rng.random((n, d)) < approach_probability(state)
+        moved = np.where(nears, approach, feedback(state, self.reading, rng) * x)
+        moved = restarted(moved, state.box, rng, self.restart_share, self._restart())
+        return replace(state, candidates=bounded(self.bounds, state.box, moved)[0])
+
+    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
+        """Take the new positions, better or not."""
+        return state.replaced(values)
+
+    def _restart(self) -> str:
+        return "same-number" if is_printed(self.reading) else self.restart
+
+
+def arctanh_factor(progress: float) -> float:
+    """Return a = arctanh(1 - t / t_max), Eq. (10); t counts from 1, because arctanh(1) is infinite."""
+    return math.atanh(1.0 - progress)
+
+
+def approach_probability(state: PopulationState) -> Floats:
+    """Return p = tanh |F_i - F_best|, Eq. (9), shape (n_candidates, 1)."""
+    if not math.isfinite(state.incumbent_value):
+        return np.ones((len(state.values), 1))
+    return np.tanh(np.abs(state.values - state.incumbent_value))[:, None]
+
+
+def feedback(state: PopulationState, reading: str, rng: np.random.Generator) -> Floats:
+    """Feedback factor v_c of Eq. (8), shape (n_candidates, n_dimensions)."""
+    b = 1.0 - state.progress
+    if is_printed(reading):
+        return np.full(state.members.shape, b)
+    return b * (2.0 * rng.random(state.members.shape) - 1.0)
+
+
+def restarted(moved: Floats, box: Box, rng: np.random.Generator, share: float, how: str) -> Floats:
+    """Put a share of the members anywhere in the box, first line of Eq. (8).
+
+    Parameters
+    ----------
+    moved : array of shape (n_candidates, n_dimensions)
+    box : Box
+    rng : numpy.random.Generator
+    share : float
+        Probability z.
+    how : str
+        `same-number` (the number compared with z), `diagonal` or `component`.
+    """
+    r1 = rng.random((len(moved), 1))
+    anywhere = r1 if how == "same-number" else rng.random((len(moved), 1 if how == "diagonal" else moved.shape[1]))
+    return np.where(r1 < share, box.at(anywhere), moved)
+
+
+def fitness_weights(values: Floats, r: Floats, log_base: float) -> Floats:
+    """Weights above 1 for the better half and below 1 for the rest, Eq. (11).
+
+    Parameters
+    ----------
+    values : array of shape (n_candidates,)
+        Objective values of this generation; infinite ones weigh as the worst finite one.
+    r : array of shape (n_candidates, n_dimensions)
+        Random numbers in [0, 1].
+    log_base : float
+
+    Returns
+    -------
+    array of shape (n_candidates, n_dimensions)
+    """
+    best = values.min()
+    finite = values[np.isfinite(values)]
+    spread = finite.max() - best if finite.size else 0.0
+    share = (
+        np.minimum((values - best) / (spread + np.finfo(float).eps), 1.0) if np.isfinite(best) else np.ones_like(values)
+    )
+    span = np.log1p(share)[:, None] / math.log(log_base)
+    first_half = np.argsort(np.argsort(values, kind="stable"), kind="stable") < len(values) / 2
+    return 1.0 + np.where(first_half[:, None], r, -r) * span

@@ -1,0 +1,153 @@
+"""Sparrow search algorithm, with the improvements of the UR5 paper as switches.
+
+References
+----------
+Improved sparrow paper, Section 4, Eqs. (13)-(19) and Algorithm 1, after Xue and Shen (2020).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from study.problem import Floats
+from study.search.bounds import bounded
+from study.search.chaos import chaotic_population, map_named
+from study.search.loop import Box
+from study.search.population import PopulationState, check_choice, check_share, new_population
+from study.search.pso import uniform_population
+from study.search.reading import is_printed
+
+STARTS = ("uniform", "tent")
+LARGEST_EXPONENT = 700.0  # e^709 is the largest double
+
+
+@dataclass(frozen=True)
+class SSA:
+    """Producers contract, joiners follow the best producer or leave, scouts are drawn to the incumbent.
+
+    `start="tent"` makes it the paper's T-SSA, both adaptive factors its ADF-SSA, all three its TADF-SSA.
+
+    Attributes
+    ----------
+    reading : str
+        `as-printed` keeps the signs of Eq. (14), has no absolute value in the second line of Eq. (15), no pi in
+        Eq. (18), and takes the adaptive factors as they are: steps of one sign. `standard` follows Xue and Shen and
+        multiplies the adaptive factors by the random numbers that they replace.
+    start : str
+        `uniform`, or `tent`: the perturbed tent map of Eq. (17), one sequence per sparrow.
+    adaptive_beta, adaptive_k : bool
+        Eq. (18) for beta and Eq. (19) for K; otherwise a normal number per dimension and a uniform number in [-1, 1].
+    beta_limits : tuple of two floats
+        beta_min and beta_max of Eq. (18). The paper gives none; ours.
+    k_limits : tuple of two floats
+        K_min and K_max of Eq. (19). The paper gives none; ours.
+    producers, scouts : float
+        Shares of the population, 20 % and 10 % in the paper's Section 5.
+    safety : float
+        ST of Eq. (13), 0.5 in the paper's Section 5.
+    bounds : str
+        A rule of `study.search.bounds`; ours.
+
+    Notes
+    -----
+    Every sparrow is evaluated once per generation, as Algorithm 1 has it: the joiners follow the new position of the
+    producer that was best before, and a scout's move replaces the move it would have made. Xue and Shen's own code
+    evaluates scouts twice and the producers first. Eq. (14) prints A^T (A A^T)^-1 A^-1, where A has no inverse; both
+    readings take the original A^T (A A^T)^-1, which makes the joiners' step the same number in every dimension.
+    """
+
+    reading: str = "standard"
+    start: str = "uniform"
+    adaptive_beta: bool = False
+    adaptive_k: bool = False
+    beta_limits: tuple[float, float] = (0.0, 1.0)
+    k_limits: tuple[float, float] = (0.0, 1.0)
+    producers: float = 0.2
+    scouts: float = 0.1
+    safety: float = 0.5
+    bounds: str = "clip"
+
+    def __post_init__(self) -> None:
+        is_printed(self.reading)
+        check_choice("SSA", "start", self.start, STARTS)
+        for field in ("producers", "scouts", "safety"):
+            check_share("SSA", field, getattr(self, field))
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
+        """Spread sparrows uniformly or by the tent map."""
+        if self.start == "tent":
+            positions = chaotic_population(map_named("perturbed-tent"), box, population, rng, along="dimensions")
+        else:
+            positions = uniform_population(box, population, rng)
+        return new_population(box, positions, generations)
+
+    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
+        """Rank the sparrows and move each by its role."""
+        order = np.argsort(state.values, kind="stable")
+        x, values = state.members[order], state.values[order]
+        n_producers = min(len(x), max(1, round(self.producers * len(x))))
+        produced = self._producers(x[:n_producers], state.generations, rng)
+        moved = np.concatenate([produced, self._joiners(x, n_producers, produced[0], rng)])
+        scouts = rng.permutation(len(x))[: round(self.scouts * len(x))]
+        moved[scouts] = self._scouts(state, x[scouts], values[scouts], (x[-1], float(values[-1])), rng)
+        candidates = np.empty_like(moved)
+        candidates[order] = bounded(self.bounds, state.box, moved)[0]
+        return replace(state, candidates=candidates)
+
+    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
+        """Keep what is better, Algorithm 1, line 14."""
+        return state.kept_better(values)
+
+    def _producers(self, x: Floats, generations: int, rng: np.random.Generator) -> Floats:
+        """New positions of the best sparrows, Eq. (13); i is the rank, counted from 1."""
+        alarm = rng.random()  # R_2
+        if alarm >= self.safety:
+            return x + rng.standard_normal((len(x), 1))  # x + Q L
+        alpha = 1.0 - rng.random((len(x), 1))  # in (0, 1]
+        rank = np.arange(1, len(x) + 1)[:, None]
+        return x * np.exp(-rank / (alpha * generations))
+
+    def _joiners(self, x: Floats, first: int, leader: Floats, rng: np.random.Generator) -> Floats:
+        """New positions of the others, Eq. (14); the hungry ones, ranked in the lower half, leave."""
+        worst, others = x[-1], x[first:]
+        rank = np.arange(first + 1, len(x) + 1)[:, None]
+        q = rng.standard_normal((len(others), 1))
+        sign = -1.0 if is_printed(self.reading) else 1.0
+        leaving = q * np.exp(np.minimum(sign * (worst - others) / rank**2, LARGEST_EXPONENT))
+        signs = 2.0 * rng.integers(2, size=others.shape) - 1.0  # A; A^+ = A^T (A A^T)^-1 = A^T / d
+        step = (np.abs(others - leader) * signs).mean(axis=1, keepdims=True)
+        return np.where(rank > len(x) / 2, leaving, leader + step)
+
+    def _scouts(
+        self,
+        state: PopulationState,
+        x: Floats,
+        values: Floats,
+        worst: tuple[Floats, float],
+        rng: np.random.Generator,
+    ) -> Floats:
+        """New positions of the sparrows that sense danger, Eq. (15)."""
+        to_best = state.incumbent + self._beta(state, x, rng) * np.abs(x - state.incumbent)
+        away = x - worst[0] if is_printed(self.reading) else np.abs(x - worst[0])
+        fall = state.incumbent_value - worst[1] if math.isfinite(worst[1]) else -math.inf
+        fleeing = x + self._k(state, len(x), rng) * away / (fall + 1e-50)
+        return np.where((values > state.incumbent_value)[:, None], to_best, fleeing)
+
+    def _beta(self, state: PopulationState, x: Floats, rng: np.random.Generator) -> Floats | float:
+        printed = is_printed(self.reading)
+        if not self.adaptive_beta:
+            return rng.standard_normal(x.shape)
+        low, high = self.beta_limits
+        angle = state.progress if printed else math.pi * state.progress
+        beta = low + 0.5 * (high - low) * (1.0 - math.cos(angle))  # eq. (18)
+        return beta if printed else beta * rng.standard_normal(x.shape)
+
+    def _k(self, state: PopulationState, n: int, rng: np.random.Generator) -> Floats | float:
+        low, high = self.k_limits
+        if not self.adaptive_k:
+            return 2.0 * rng.random((n, 1)) - 1.0
+        k = state.progress * math.exp(math.sin(math.pi * state.progress) - low) / high  # eq. (19)
+        return k if is_printed(self.reading) else k * (2.0 * rng.random((n, 1)) - 1.0)

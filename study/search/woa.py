@@ -1,0 +1,135 @@
+"""Whale optimisation algorithm.
+
+References
+----------
+UR5 paper on SMWOA, Section 2.1, Eqs. (1)-(7), after Mirjalili and Lewis (2016).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from study.problem import Floats
+from study.search.bounds import bounded
+from study.search.loop import Box
+from study.search.population import PopulationState, check_choice, spread_population
+
+DRAWS = ("whale", "component")
+
+
+@dataclass(frozen=True)
+class WOA:
+    """Whales encircle the incumbent, spiral towards it, or follow a random whale.
+
+    Attributes
+    ----------
+    spiral : float
+        Shape b of the logarithmic spiral, Eq. (5). The paper gives no value; 1 in the circulated code.
+    coefficients : str
+        `whale` draws one A and one C for each whale, as the circulated code does and as the choice by |A| needs;
+        `component` reads the paper's "coefficient vector" literally and chooses by |A| in every dimension.
+    leader : str
+        `component` draws the random whale of Eq. (7) anew in every dimension, as the circulated code does; `whale` once.
+    bounds : str
+        A rule of `study.search.bounds`; ours, the paper is silent.
+
+    Notes
+    -----
+    All whales move at once, where the circulated code moves them one after the other, so that late whales can follow
+    those that have already moved.
+    """
+
+    spiral: float = 1.0
+    coefficients: str = "whale"
+    leader: str = "component"
+    bounds: str = "clip"
+
+    def __post_init__(self) -> None:
+        check_choice("WOA", "coefficients", self.coefficients, DRAWS)
+        check_choice("WOA", "leader", self.leader, DRAWS)
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
+        """Spread whales uniformly."""
+        return spread_population(box, population, generations, rng)
+
+    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
+        """Move every whale."""
+        draws = WhaleDraws.of(self, state, rng)
+        a = 2.0 - 2.0 * state.progress  # below eq. (4)
+        x, best, r = state.members, state.incumbent, draws.leaders
+
+        def around(leader: Floats) -> Floats:
+            return np.abs(draws.c * leader - x)  # D, D'', eqs. (4), (7)
+
+        moved = whale_moves(draws, a, (best, r), (around(best), np.abs(best - x), around(r)), self.spiral)
+        return replace(state, candidates=bounded(self.bounds, state.box, moved)[0])
+
+    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
+        """Take the new positions, better or not."""
+        return state.replaced(values)
+
+
+@dataclass(frozen=True, eq=False)
+class WhaleDraws:
+    """One generation's random numbers.
+
+    Attributes
+    ----------
+    u, c : arrays of shape (n_candidates, 1) or (n_candidates, n_dimensions)
+        Random numbers behind A = 2 a u - a, and C in [0, 2].
+    p, turn : arrays of shape (n_candidates, 1)
+        Choice P of the spiral, and its angle l in [-1, 1].
+    leaders : array of shape (n_candidates, n_dimensions)
+        Positions of random whales.
+    """
+
+    u: Floats
+    c: Floats
+    p: Floats
+    turn: Floats
+    leaders: Floats
+
+    @classmethod
+    def of(cls, search: WOA, state: PopulationState, rng: np.random.Generator) -> WhaleDraws:
+        """Draw for every whale of the population."""
+        n, d = state.members.shape
+        u, c = rng.random((2, n, 1 if search.coefficients == "whale" else d))
+        p, turn = rng.random((2, n, 1))
+        rows = rng.integers(n, size=(n, 1 if search.leader == "whale" else d))
+        return cls(u, 2.0 * c, p, 2.0 * turn - 1.0, state.members[rows, np.arange(d)])
+
+
+def whale_moves(
+    draws: WhaleDraws,
+    a: float,
+    leaders: tuple[Floats, Floats],
+    distances: tuple[Floats, Floats, Floats],
+    spiral: float,
+    oscillation: Floats | float = 1.0,
+) -> Floats:
+    """Choose among encircling, spiral and exploration for every whale.
+
+    Parameters
+    ----------
+    draws : WhaleDraws
+    a : float
+        Convergence factor.
+    leaders : incumbent and random whales
+    distances : D, D' and D'', each of shape (n_candidates, n_dimensions)
+    spiral : float
+    oscillation : array of shape (n_candidates, n_dimensions), optional
+        v_b of Eq. (13); 1 in plain WOA.
+
+    Returns
+    -------
+    array of shape (n_candidates, n_dimensions)
+    """
+    (best, other), (d, d1, d2) = leaders, distances
+    big_a = 2.0 * a * draws.u - a  # eq. (4)
+    circling = best - big_a * d  # eqs. (3), (12)
+    exploring = other - big_a * d2  # eqs. (7), (14)
+    coil = np.exp(spiral * draws.turn) * np.cos(2.0 * np.pi * draws.turn)
+    spiralling = best + oscillation * coil * d1  # eqs. (5), (13)
+    return np.where(draws.p >= 0.5, spiralling, np.where(np.abs(big_a) < 1.0, circling, exploring))
