@@ -1,0 +1,1 @@
+"""What the study leaves behind: tables, figures, page and recordings."""

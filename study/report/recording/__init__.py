@@ -1,0 +1,7 @@
+"""Recordings for the rerun viewer: one per case, all methods inside. Only this package imports rerun."""
+
+from study.report.recording.case_recording import APPLICATION, record_case
+from study.report.recording.merging import merge
+from study.report.recording.viewer import screenshot, view
+
+__all__ = ["APPLICATION", "merge", "record_case", "screenshot", "view"]

@@ -1,0 +1,55 @@
+"""One recording per case, all methods inside."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from study.experiment.cases import Case
+from study.experiment.results import Result
+from study.report.recording.contents import gather
+from study.report.recording.layout import layout
+from study.report.recording.scene import log_scene
+from study.report.recording.signals import log_activity, log_signals
+from study.report.recording.stream import APPLICATION, recording_file
+from study.report.recording.summary import log_convergence, log_metadata, log_summary
+
+__all__ = ["APPLICATION", "record_case"]
+
+
+def record_case(case: Case, results: Sequence[Result], path: Path, samples: int = 250) -> Path:
+    """Write a recording of a case with all methods side by side.
+
+    Of every label the run of median rank is shown (feasible before infeasible, then by duration), and beside them what
+    the paper prints. The same results give the same column values; row identities differ from file to file.
+
+    Parameters
+    ----------
+    case : Case
+    results : sequence of Result
+        All of this case.
+    path : Path
+        Replaced only when the new recording is complete.
+    samples : int
+        Evenly spaced samples of every motion; knots and exact peaks are added.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    StudyError
+        If there is nothing to show, a result belongs to another case, or the file cannot be written.
+    """
+    contents = gather(case, results, samples)
+    with recording_file(path, case.name) as stream:
+        log_metadata(stream, contents)
+        log_summary(stream, contents)
+        log_signals(stream, contents)
+        log_activity(stream, contents)
+        log_convergence(stream, contents)
+        scene = log_scene(stream, contents)
+        stream.send_blueprint(layout(contents, scene))
+    return path

@@ -1,0 +1,66 @@
+"""The explicit recording stream and the few things that every part of a recording needs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+
+from study.errors import StudyError
+
+APPLICATION = "time-optimal-study"
+TIMELINE = "t"
+EVALUATION = "evaluation"
+LIMIT_COLOR = (200, 60, 60)
+SIGNALS = ("q", "v", "a", "jerk")
+
+
+def entity(*parts: str) -> str:
+    """Join names into an entity path; characters that mean something in a path are escaped."""
+    return rr.new_entity_path([part or "unnamed" for part in parts])
+
+
+def time_column(times: np.ndarray) -> list[rr.TimeColumn]:
+    """Index of whole nanoseconds on the timeline `t`."""
+    return [rr.TimeColumn(TIMELINE, duration=np.asarray(times, dtype=np.int64).astype("timedelta64[ns]"))]
+
+
+@contextmanager
+def strict() -> Iterator[None]:
+    """Make rerun raise on wrong shapes instead of dropping the data with a warning."""
+    before = rr.strict_mode()
+    rr.set_strict_mode(True)
+    try:
+        yield
+    finally:
+        rr.set_strict_mode(before)
+
+
+@contextmanager
+def recording_file(path: Path, recording: str) -> Iterator[rr.RecordingStream]:
+    """Open a recording that appears under its name only when it is complete and closed.
+
+    Raises
+    ------
+    StudyError
+        If the folder cannot be written, or logging is switched off by the environment variable RERUN.
+    """
+    partial = path.with_name(f".{path.name}.partial")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial.write_bytes(b"")
+    except OSError as error:
+        raise StudyError(f"recording {path}: cannot be written: {error.strerror}; choose another folder") from None
+    try:
+        with strict(), rr.RecordingStream(APPLICATION, recording_id=recording, send_properties=False) as stream:
+            stream.save(partial)
+            rr.set_log_time_enabled(False, recording=stream)
+            yield stream
+        if not partial.stat().st_size:
+            raise StudyError(f"recording {path}: rerun wrote nothing; unset the environment variable RERUN (off)")
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
