@@ -1,0 +1,134 @@
+"""The papers' arms: chains, forward and inverse kinematics."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from study.datafiles import Strict, checked, data_folder, read_yaml
+from study.errors import StudyError, unknown
+from study.problem import Floats
+from study.robots.chain import Robot, Solver
+from study.robots.closed_form import BRANCHES, puma_inverse, ur_inverse, woodworking_inverse
+
+__all__ = ["BRANCHES", "SOLVERS", "Robot", "inverse", "robot_named", "robot_names"]
+
+SOLVERS: dict[str, Solver] = {"ur": ur_inverse, "puma": puma_inverse, "woodworking": woodworking_inverse}
+
+_CLOSE = 1e-6
+"""Largest error of a solution's pose, as fed back through forward kinematics, m or without unit."""
+
+
+class _Joint(Strict):
+    kind: Literal["revolute", "prismatic"]
+    a: float
+    alpha: float
+    d: float
+    theta: float
+    range: tuple[float, float] | None = None
+
+
+class _RobotFile(Strict):
+    title: str
+    source: str
+    convention: Literal["standard", "modified"]
+    solver: Literal["ur", "puma", "woodworking"] | None = None
+    length_unit: Literal["m", "mm"]
+    joints: list[_Joint] = Field(min_length=1)
+
+
+def robot_names() -> list[str]:
+    """Names of the arms that the data holds."""
+    return [path.stem for path in _files()]
+
+
+@cache
+def robot_named(name: str) -> Robot:
+    """Look an arm up by name.
+
+    Raises
+    ------
+    StudyError
+        If there is no such arm, or its file is broken.
+    """
+    files = {path.stem: path for path in _files()}
+    if name not in files:
+        raise unknown("robot", name, files)
+    return _robot(files[name])
+
+
+def inverse(robot: Robot, poses: ArrayLike, branch: tuple[int, int, int] | None = None) -> Floats:
+    """Find the configurations that put the arm's last frame at given poses.
+
+    Parameters
+    ----------
+    robot : Robot
+    poses : array of shape (n, 4, 4)
+        Homogeneous transforms into the base frame, lengths in m.
+    branch : tuple of three signs (k1, k2, k3), optional
+        One unique domain instead of all branches.
+
+    Returns
+    -------
+    array of shape (n, n_branches, n_joints), or (n, n_joints) for one branch, rad or m
+        Among all branches those that do not exist are NaN; their order is `BRANCHES`.
+
+    Raises
+    ------
+    StudyError
+        If the arm has no closed form here, or a pose is singular or cannot be reached.
+    """
+    targets = np.asarray(poses, dtype=float)
+    if targets.ndim != 3 or targets.shape[1:] != (4, 4):
+        raise StudyError(f"robot {robot.name!r}: poses must have shape (n, 4, 4), got {targets.shape}")
+    if robot.solver is None:
+        raise StudyError(f"robot {robot.name!r} has no closed-form inverse here; arms that have one name a solver")
+    solutions = SOLVERS[robot.solver](robot, targets)
+    solutions[~_reached(robot, solutions, targets)] = np.nan
+    if branch is not None and solutions.shape[1] > 1:
+        if branch not in BRANCHES:
+            raise StudyError(f"a branch is three signs such as (1, 1, -1), got {branch}")
+        solutions = solutions[:, [BRANCHES.index(branch)]]
+    missing = np.isnan(solutions).all(axis=(1, 2))
+    if missing.any():
+        raise StudyError(
+            f"robot {robot.name!r}: pose {int(missing.argmax()) + 1} is singular or cannot be reached; move it inside "
+            "the workspace or take another branch"
+        )
+    return solutions[:, 0] if branch is not None else solutions
+
+
+def _reached(robot: Robot, solutions: Floats, targets: Floats) -> np.ndarray:
+    poses, branches, joints = solutions.shape
+    found = robot.forward(np.nan_to_num(solutions).reshape(-1, joints)).reshape(poses, branches, 4, 4)
+    close = np.abs(found - targets[:, None]).max(axis=(2, 3)) < _CLOSE
+    return close & ~np.isnan(solutions).any(axis=2)
+
+
+def _files() -> list[Path]:
+    return sorted((data_folder() / "robots").glob("*.yaml"))
+
+
+def _robot(path: Path) -> Robot:
+    file = checked(_RobotFile, read_yaml(path), f"file {path.name!r}")
+    metre = {"m": 1.0, "mm": 1e-3}[file.length_unit]
+    prismatic = np.array([joint.kind == "prismatic" for joint in file.joints])
+    ranges = np.array([joint.range or (-np.inf, np.inf) for joint in file.joints])
+    return Robot(
+        name=path.stem,
+        title=file.title,
+        source=file.source,
+        modified=file.convention == "modified",
+        prismatic=prismatic,
+        a=np.array([joint.a for joint in file.joints]) * metre,
+        alpha=np.radians([joint.alpha for joint in file.joints]),
+        d=np.array([joint.d for joint in file.joints]) * metre,
+        theta=np.radians([joint.theta for joint in file.joints]),
+        range=ranges.T * np.where(prismatic, metre, np.pi / 180.0),
+        solver=file.solver,
+    )
