@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,6 +15,9 @@ from study.formulation import formulation_named
 from study.planning import Meter, Plan, RunSettings, Status
 from study.problem import Floats, Problem
 from study.search.loop import Box, Search, minimise
+
+Drive = Callable[[Meter, Box, int, np.random.Generator], object]
+"""Spend a meter's budget inside a box, given a population size and a generator."""
 
 
 @dataclass(frozen=True)
@@ -43,26 +48,43 @@ class SegmentTimePlanner:
         StudyError
             If the curve, formulation or synchronisation is unknown or does not fit the waypoints.
         """
-        if settings.synchronisation == "shared":
-            parts = [problem]
-        elif settings.synchronisation == "per-joint":
-            parts = [problem.joint(j) for j in range(problem.n_joints)]
-        else:
-            raise unknown("synchronisation", settings.synchronisation, ("per-joint", "shared"))
-        streams = np.random.SeedSequence(settings.seed).spawn(len(parts))
-        runs = [_search(self.search, part, settings, stream) for part, stream in zip(parts, streams, strict=True)]
-        evaluations = sum(run.evaluations for run in runs)
-        if not all(run.found for run in runs):
-            return Plan(Status.FAILED, evaluations=evaluations, message="no candidate of the budget gave a motion")
-        durations = np.max([run.durations[-1] for run in runs], axis=0)
-        return Plan(
-            Status.FINISHED,
-            motion=curve_named(settings.curve).motion(problem.waypoints, durations),
-            durations=durations,
-            evaluations=evaluations,
-            iterations=len(runs[0].values),
-            history=_synchronised_history(runs),
-        )
+        return plan_segment_times(partial(minimise, self.search), problem, settings)
+
+
+def plan_segment_times(drive: Drive, problem: Problem, settings: RunSettings) -> Plan:
+    """Let something spend the budget on the problem's durations, all joints together or each alone.
+
+    Parameters
+    ----------
+    drive : callable (meter, box, population, rng)
+    problem : Problem
+    settings : RunSettings
+
+    Raises
+    ------
+    StudyError
+        If the curve, formulation or synchronisation is unknown or does not fit the waypoints.
+    """
+    if settings.synchronisation == "shared":
+        parts = [problem]
+    elif settings.synchronisation == "per-joint":
+        parts = [problem.joint(j) for j in range(problem.n_joints)]
+    else:
+        raise unknown("synchronisation", settings.synchronisation, ("per-joint", "shared"))
+    streams = np.random.SeedSequence(settings.seed).spawn(len(parts))
+    runs = [_search(drive, part, settings, stream) for part, stream in zip(parts, streams, strict=True)]
+    evaluations = sum(run.evaluations for run in runs)
+    if not all(run.found for run in runs):
+        return Plan(Status.FAILED, evaluations=evaluations, message="no candidate of the budget gave a motion")
+    durations = np.max([run.durations[-1] for run in runs], axis=0)
+    return Plan(
+        Status.FINISHED,
+        motion=curve_named(settings.curve).motion(problem.waypoints, durations),
+        durations=durations,
+        evaluations=evaluations,
+        iterations=max(len(run.values) for run in runs),
+        history=_synchronised_history(runs),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,12 +97,22 @@ class _Run:
     values: Floats
     durations: Floats
 
+    def lengthened(self, n_records: int) -> _Run:
+        """Repeat the last record: a run that ended early keeps its incumbent while the others go on."""
+        missing = n_records - len(self.values)
+        return replace(
+            self,
+            counts=np.pad(self.counts, (0, missing), mode="edge"),
+            values=np.pad(self.values, (0, missing), mode="edge"),
+            durations=np.pad(self.durations, ((0, missing), (0, 0)), mode="edge"),
+        )
 
-def _search(search: Search[Any], problem: Problem, settings: RunSettings, stream: np.random.SeedSequence) -> _Run:
+
+def _search(drive: Drive, problem: Problem, settings: RunSettings, stream: np.random.SeedSequence) -> _Run:
     formulation = formulation_named(settings.formulation, problem, curve_named(settings.curve))
     meter = Meter(formulation, settings.evaluations)
     box = Box(*(np.full(problem.n_segments, bound) for bound in problem.duration_bounds))
-    minimise(search, meter, box, settings.population, np.random.default_rng(stream))
+    drive(meter, box, settings.population, np.random.default_rng(stream))
     counts, values = meter.history.T
     found = meter.incumbent is not None
     return _Run(found, meter.evaluations, counts, values, formulation.realise(meter.incumbents))
@@ -88,6 +120,8 @@ def _search(search: Search[Any], problem: Problem, settings: RunSettings, stream
 
 def _synchronised_history(runs: list[_Run]) -> Floats:
     """Total time of the joints' incumbents put together, plus whatever penalty they carry, after every generation."""
+    longest = max(len(run.values) for run in runs)
+    runs = [run.lengthened(longest) for run in runs]
     together = np.max([run.durations for run in runs], axis=0).sum(axis=1)
     penalty = np.sum([run.values - run.durations.sum(axis=1) for run in runs], axis=0)
     return np.column_stack([np.sum([run.counts for run in runs], axis=0), together + penalty])

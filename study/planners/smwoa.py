@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 
 from study.planners.segment_times import SegmentTimePlanner
+from study.search.de import DE
+from study.search.gsa import GSA
 from study.search.sma import SMA
 from study.search.smwoa import SMWOA
 from study.search.woa import WOA
@@ -21,3 +23,5 @@ SMWOA_AS_PRINTED = SegmentTimePlanner(SMWOA(reading="as-printed"))
 WOA_PLANNER = SegmentTimePlanner(WOA())
 SMA_PLANNER = SegmentTimePlanner(SMA())
 SMA_AS_PRINTED = SegmentTimePlanner(SMA(reading="as-printed", log_base=math.e))
+GSA_PLANNER = SegmentTimePlanner(GSA())
+DE_PLANNER = SegmentTimePlanner(DE())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -26,17 +27,17 @@ class PopulationState(State):
     members: Floats
     values: Floats
 
-    def replaced(self, values: Floats) -> PopulationState:
+    def replaced(self, values: Floats) -> Self:
         """Take the candidates as the new population, better or not."""
         return self._told(self.candidates, values, values)
 
-    def kept_better(self, values: Floats) -> PopulationState:
+    def kept_better(self, values: Floats) -> Self:
         """Take each candidate only where it is better than the member it came from."""
         better = values < self.values
         members = np.where(better[:, None], self.candidates, self.members)
         return self._told(members, np.where(better, values, self.values), values)
 
-    def _told(self, members: Floats, kept: Floats, values: Floats) -> PopulationState:
+    def _told(self, members: Floats, kept: Floats, values: Floats) -> Self:
         incumbent, incumbent_value = self.improved(values)
         return replace(
             self,
@@ -65,6 +66,25 @@ def new_population(box: Box, positions: Floats, generations: int) -> PopulationS
 def spread_population(box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
     """State of a population spread uniformly over the box."""
     return new_population(box, uniform_population(box, population, rng), generations)
+
+
+def badness(values: Floats) -> Floats:
+    """Where each value lies between this generation's best, 0, and worst, 1; infinite values count as worst.
+
+    Parameters
+    ----------
+    values : array of shape (n_candidates,)
+
+    Returns
+    -------
+    array of shape (n_candidates,)
+        All 1 if nothing is finite, all 0 if everything is equal.
+    """
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return np.ones(len(values))
+    best, worst = finite.min(), finite.max()
+    return np.minimum((values - best) / (worst - best), 1.0) if worst > best else np.where(values > best, 1.0, 0.0)
 
 
 def check_choice(search: str, field: str, value: str, known: tuple[str, ...]) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from study.problem import Floats
 from study.search.bounds import bounded
 from study.search.loop import Box
-from study.search.population import PopulationState, check_choice, check_share, spread_population
+from study.search.population import PopulationState, badness, check_choice, check_share, spread_population
 from study.search.reading import is_printed
 
 RESTARTS = ("diagonal", "component")
@@ -131,12 +131,6 @@ def fitness_weights(values: Floats, r: Floats, log_base: float) -> Floats:
     -------
     array of shape (n_candidates, n_dimensions)
     """
-    best = values.min()
-    finite = values[np.isfinite(values)]
-    spread = finite.max() - best if finite.size else 0.0
-    share = (
-        np.minimum((values - best) / (spread + np.finfo(float).eps), 1.0) if np.isfinite(best) else np.ones_like(values)
-    )
-    span = np.log1p(share)[:, None] / math.log(log_base)
+    span = np.log1p(badness(values))[:, None] / math.log(log_base)
     first_half = np.argsort(np.argsort(values, kind="stable"), kind="stable") < len(values) / 2
     return 1.0 + np.where(first_half[:, None], r, -r) * span

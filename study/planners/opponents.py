@@ -1,0 +1,182 @@
+"""Opponents of the papers' planners: the searches of the PUMA560 paper's table, and strong or plain ones of ours.
+
+References
+----------
+PUMA560 paper, Table 3 (STOA, SCA). The others stand in no paper: CMA-ES, SciPy's L-BFGS-B, differential evolution and
+DIRECT, and the centre of the box, which any search must beat.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from scipy import optimize
+
+from study.planners.segment_times import SegmentTimePlanner, plan_segment_times
+from study.planning import Meter, Plan, RunSettings
+from study.problem import Floats, Problem
+from study.search.cma_es import CMAES
+from study.search.loop import Box
+from study.search.sca import SCA
+from study.search.stoa import STOA
+
+
+class Minimiser(Protocol):
+    """Anything that spends a meter's budget on finding a low value in a box, and runs its own loop."""
+
+    def minimise(self, meter: Meter, box: Box, population: int, rng: np.random.Generator) -> None:
+        """Evaluate candidates until the budget is spent or there is nothing left to do; the meter keeps the result."""
+
+
+@dataclass(frozen=True)
+class MinimiserPlanner:
+    """Minimise total time over segment durations with something that runs its own loop.
+
+    Parameters
+    ----------
+    minimiser : Minimiser
+    formulation : str, optional
+        The formulation that it needs, whatever the settings ask for; None takes theirs.
+    """
+
+    minimiser: Minimiser
+    formulation: str | None = None
+    stochastic: ClassVar[bool] = True
+    segment_times: ClassVar[bool] = True
+
+    def plan(self, problem: Problem, settings: RunSettings) -> Plan:
+        """Search all joints together, or each alone, as `SegmentTimePlanner` does."""
+        taken = replace(settings, formulation=self.formulation or settings.formulation)
+        plan = plan_segment_times(self.minimiser.minimise, problem, taken)
+        if taken == settings or plan.message:
+            return plan
+        return replace(plan, message=f"always takes the {taken.formulation} formulation")
+
+
+@dataclass(frozen=True)
+class DeterministicMinimiserPlanner(MinimiserPlanner):
+    """The same for a minimiser that draws no random numbers."""
+
+    stochastic: ClassVar[bool] = False
+
+
+class _SpentError(Exception):
+    """The budget is spent; ends a loop that is not ours."""
+
+
+def _spend(meter: Meter, candidates: Floats) -> Floats:
+    values = meter(candidates)
+    if meter.exhausted:
+        raise _SpentError
+    return values
+
+
+@dataclass(frozen=True)
+class LBFGSB:
+    """SciPy's L-BFGS-B in the logarithms of the durations, with finite differences and restarts.
+
+    The first start is equal durations, every further one random. All finite differences of a point are evaluated, and
+    counted, with it in one call.
+
+    Attributes
+    ----------
+    step : float
+        Finite difference in the logarithm of a duration; ours.
+    smallest_share : float
+        Smallest duration as a share of the largest where the box itself begins at 0; ours.
+    """
+
+    step: float = 1e-7
+    smallest_share: float = 1e-6
+
+    def minimise(self, meter: Meter, box: Box, population: int, rng: np.random.Generator) -> None:
+        """Descend and start again until the budget is spent."""
+        lower, upper = np.log(np.maximum(box.lower, self.smallest_share * box.upper)), np.log(box.upper)
+        identity = np.eye(len(lower))
+
+        def value_and_gradient(logs: Floats) -> tuple[float, Floats]:
+            steps = np.where(logs + self.step > upper, -self.step, self.step)
+            values = _spend(meter, np.exp(np.vstack([logs, logs + identity * steps])))
+            return float(values[0]), (values[1:] - values[0]) / steps
+
+        start = 0.5 * (lower + upper)
+        with contextlib.suppress(_SpentError):
+            while True:
+                bounds = optimize.Bounds(lower, upper)
+                optimize.minimize(value_and_gradient, start, jac=True, method="L-BFGS-B", bounds=bounds)
+                start = lower + rng.random(len(lower)) * (upper - lower)
+
+
+@dataclass(frozen=True)
+class ScipyDE:
+    """SciPy's differential evolution with its own settings, without its final polish; starts again when it has converged.
+
+    Attributes
+    ----------
+    smallest_population : int
+        SciPy asks for five members.
+    """
+
+    smallest_population: int = 5
+
+    def minimise(self, meter: Meter, box: Box, population: int, rng: np.random.Generator) -> None:
+        """Evolve until the budget is spent."""
+        size = max(self.smallest_population, population)
+
+        def values(columns: Any) -> Any:  # the stubs do not know the vectorised form
+            return _spend(meter, columns.T)
+
+        with contextlib.suppress(_SpentError):
+            while True:
+                optimize.differential_evolution(
+                    values,
+                    optimize.Bounds(box.lower, box.upper),
+                    init=box.at(rng.random((size, len(box.lower)))),
+                    maxiter=meter.budget,
+                    polish=False,
+                    updating="deferred",
+                    vectorized=True,
+                    rng=rng,
+                )
+
+
+@dataclass(frozen=True)
+class Direct:
+    """SciPy's DIRECT: divide the box into ever smaller rectangles, without random numbers, one evaluation at a time."""
+
+    def minimise(self, meter: Meter, box: Box, population: int, rng: np.random.Generator) -> None:
+        """Divide until the budget is spent."""
+
+        def value(x: Floats) -> float:
+            return float(_spend(meter, x[None])[0])
+
+        with contextlib.suppress(_SpentError):
+            optimize.direct(
+                value,
+                optimize.Bounds(box.lower, box.upper),
+                maxfun=meter.budget + 1,
+                maxiter=meter.budget + 1,
+                vol_tol=0.0,
+                len_tol=0.0,
+            )
+
+
+@dataclass(frozen=True)
+class Centre:
+    """Evaluate the centre of the box and nothing else: equal durations."""
+
+    def minimise(self, meter: Meter, box: Box, population: int, rng: np.random.Generator) -> None:
+        """Evaluate one candidate."""
+        meter(box.at(np.full(len(box.lower), 0.5))[None])
+
+
+STOA_PLANNER = SegmentTimePlanner(STOA())
+SCA_PLANNER = SegmentTimePlanner(SCA())
+CMA_ES = SegmentTimePlanner(CMAES())
+LBFGSB_PLANNER = MinimiserPlanner(LBFGSB(), formulation="scaled")  # the penalty form jumps: no gradient to follow
+SCIPY_DE = MinimiserPlanner(ScipyDE())
+DIRECT = DeterministicMinimiserPlanner(Direct())
+CENTRE = DeterministicMinimiserPlanner(Centre(), formulation="scaled")

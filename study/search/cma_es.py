@@ -1,0 +1,95 @@
+"""CMA-ES of the package `cmaes`, asked and told like every other search.
+
+References
+----------
+Hansen and Ostermeier (2001). None of the papers compares with it; it is our opponent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from study.errors import StudyError
+from study.problem import Floats
+from study.search.loop import Box, State
+
+SMALLEST_POPULATION = 4
+
+
+@dataclass(frozen=True, eq=False)
+class CMAState(State):
+    """The package's optimiser, an object that changes as it is asked and told, and what it asked for.
+
+    Attributes
+    ----------
+    optimiser : cmaes.CMA
+    fractions : array of shape (n_candidates, n_dimensions)
+        The candidates as fractions of the box.
+    """
+
+    optimiser: Any
+    fractions: Floats
+
+    def asked(self) -> CMAState:
+        """Take the optimiser's next population."""
+        fractions = np.array([self.optimiser.ask() for _ in range(self.optimiser.population_size)])
+        return replace(self, fractions=fractions, candidates=self.box.at(fractions))
+
+
+@dataclass(frozen=True)
+class CMAES:
+    """Sample a normal distribution and adapt its mean, covariance and width; start again where it has shrunk away.
+
+    Attributes
+    ----------
+    sigma : float
+        First standard deviation as a share of the box's width; ours.
+    """
+
+    sigma: float = 0.3
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> CMAState:
+        """Start from the centre of the box.
+
+        Raises
+        ------
+        StudyError
+            If the package is not installed, the box has one dimension, or the population is too small.
+        """
+        if population < SMALLEST_POPULATION or len(box.lower) < 2:
+            raise StudyError(
+                f"CMA-ES needs a population of at least {SMALLEST_POPULATION} and at least 2 dimensions, "
+                f"got {population} and {len(box.lower)}"
+            )
+        centre = np.full(len(box.lower), 0.5)
+        optimiser = self._optimiser(centre, population, rng)
+        return CMAState(
+            box, box.at(centre)[None], generations, 0, box.at(centre), np.inf, optimiser, centre[None]
+        ).asked()
+
+    def ask(self, state: CMAState, rng: np.random.Generator) -> CMAState:
+        """Sample the next population, after a restart from a random mean where the package says so."""
+        if state.optimiser.should_stop():
+            mean = rng.random(len(state.box.lower))
+            state = replace(state, optimiser=self._optimiser(mean, state.optimiser.population_size, rng))
+        return state.asked()
+
+    def tell(self, state: CMAState, values: Floats, rng: np.random.Generator) -> CMAState:
+        """Adapt the distribution."""
+        state.optimiser.tell(list(zip(state.fractions, values.tolist(), strict=True)))
+        incumbent, value = state.improved(values)
+        return replace(state, incumbent=incumbent, incumbent_value=value, generation=state.generation + 1)
+
+    def _optimiser(self, mean: Floats, population: int, rng: np.random.Generator) -> Any:
+        try:
+            from cmaes import CMA
+        except ModuleNotFoundError:
+            raise StudyError(
+                "planner 'cma-es' needs the Python package 'cmaes'; install it with pip, alone or as the extra 'peers'"
+            ) from None
+        bounds = np.tile([0.0, 1.0], (len(mean), 1))
+        seed = int(rng.integers(2**31))
+        return CMA(mean=mean, sigma=self.sigma, bounds=bounds, seed=seed, population_size=population)

@@ -1,0 +1,76 @@
+"""Gravitational search algorithm.
+
+References
+----------
+UR5 paper on SMWOA, Table 3, which names it and gives no equation; Rashedi, Nezamabadi-pour and Saryazdi (2009), whose
+equation numbers stand beside the lines.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from study.problem import Floats
+from study.search.bounds import bounded
+from study.search.loop import Box
+from study.search.population import PopulationState, badness, spread_population
+
+
+@dataclass(frozen=True, eq=False)
+class GravityState(PopulationState):
+    """A population with velocities, shape (n_candidates, n_dimensions)."""
+
+    velocities: Floats
+
+
+@dataclass(frozen=True)
+class GSA:
+    """Masses attract one another, the better the heavier; fewer and fewer of them pull.
+
+    Attributes
+    ----------
+    gravity : float
+        Gravitational constant G0 at the start; 100 in the algorithm's own paper.
+    decay : float
+        Rate alpha of its decay; 20 in the algorithm's own paper.
+    last_pullers : float
+        Share of the population that still pulls in the end; 2 % in the circulated code.
+    bounds : str
+        A rule of `study.search.bounds`; ours.
+    """
+
+    gravity: float = 100.0
+    decay: float = 20.0
+    last_pullers: float = 0.02
+    bounds: str = "clip"
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> GravityState:
+        """Spread masses uniformly, at rest."""
+        state = spread_population(box, population, generations, rng)
+        return GravityState(**vars(state), velocities=np.zeros_like(state.members))
+
+    def ask(self, state: GravityState, rng: np.random.Generator) -> GravityState:
+        """Accelerate and move every mass."""
+        x = state.members
+        g = self.gravity * math.exp(-self.decay * state.progress)  # eq. (28)
+        v = rng.random(x.shape) * state.velocities + g * self._pull(state, rng)  # eq. (11)
+        x, v = bounded(self.bounds, state.box, x + v, v)  # eq. (12)
+        return replace(state, candidates=x, velocities=v)
+
+    def tell(self, state: GravityState, values: Floats, rng: np.random.Generator) -> GravityState:
+        """Take the new positions, better or not."""
+        return state.replaced(values)
+
+    def _pull(self, state: GravityState, rng: np.random.Generator) -> Floats:
+        """Acceleration of every mass for G = 1, Eqs. (7)-(10), (21); its own mass has cancelled out."""
+        x = state.members
+        m = 1.0 - badness(state.values)  # eq. (15)
+        masses = m / m.sum() if m.any() else np.full(len(x), 1.0 / len(x))  # eq. (16)
+        share = self.last_pullers + (1.0 - state.progress) * (1.0 - self.last_pullers)
+        heavy = np.argsort(-masses, kind="stable")[: max(1, round(share * len(x)))]
+        apart = x[heavy] - x[:, None]
+        distances = np.sqrt(np.einsum("nkd,nkd->nk", apart, apart)) + np.finfo(float).eps  # eq. (8)
+        return np.einsum("nkd,nkd,nk->nd", rng.random(apart.shape), apart, masses[heavy] / distances)

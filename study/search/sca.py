@@ -1,0 +1,51 @@
+"""Sine cosine algorithm.
+
+References
+----------
+PUMA560 paper, Table 3, which names it and gives no equation; Mirjalili (2016), whose equation numbers stand beside the
+lines.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from study.problem import Floats
+from study.search.bounds import bounded
+from study.search.loop import Box
+from study.search.population import PopulationState, spread_population
+
+
+@dataclass(frozen=True)
+class SCA:
+    """Members swing around the incumbent by a sine or a cosine of falling amplitude.
+
+    Attributes
+    ----------
+    amplitude : float
+        a, from which the amplitude r1 falls to 0; 2 in the algorithm's own paper.
+    bounds : str
+        A rule of `study.search.bounds`; ours.
+    """
+
+    amplitude: float = 2.0
+    bounds: str = "clip"
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
+        """Spread members uniformly."""
+        return spread_population(box, population, generations, rng)
+
+    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
+        """Move every member."""
+        x = state.members
+        r1 = self.amplitude * (1.0 - state.progress)  # eq. (3.4)
+        r2, r3, r4 = rng.random((3, *x.shape))
+        swing = np.where(r4 < 0.5, np.sin(2.0 * np.pi * r2), np.cos(2.0 * np.pi * r2))
+        moved = x + r1 * swing * np.abs(2.0 * r3 * state.incumbent - x)  # eq. (3.3)
+        return replace(state, candidates=bounded(self.bounds, state.box, moved)[0])
+
+    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
+        """Take the new positions, better or not."""
+        return state.replaced(values)

@@ -1,0 +1,55 @@
+"""Sooty tern optimisation algorithm, called swallow tern algorithm in the PUMA560 paper.
+
+References
+----------
+PUMA560 paper, Table 3, which names it and gives no equation. The form here is that of the widely circulated code, which
+fits all six functions of the table; the equations of Dhiman and Kaur (2019) miss it by four to seven orders.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from study.problem import Floats
+from study.search.bounds import bounded
+from study.search.loop import Box
+from study.search.population import PopulationState, spread_population
+
+
+@dataclass(frozen=True)
+class STOA:
+    """Terns shrink their position, drift towards the incumbent and spiral around it.
+
+    Attributes
+    ----------
+    control : float
+        Value of Sa at the start, from which it falls to 0; 2 in the circulated code.
+    spiral : float
+        Shape b of the spiral; 1 in the circulated code.
+    bounds : str
+        A rule of `study.search.bounds`; `clip` in the circulated code.
+    """
+
+    control: float = 2.0
+    spiral: float = 1.0
+    bounds: str = "clip"
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
+        """Spread terns uniformly."""
+        return spread_population(box, population, generations, rng)
+
+    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
+        """Move every tern; its distance from the spiral's centre contains its own position, a pull to the origin."""
+        x, best = state.members, state.incumbent
+        sa = self.control * (1.0 - state.progress)
+        drift = sa * (rng.random(x.shape) - 1.0)  # 2 Sa r - Sa with r in [0, 0.5]
+        turn = 1.0 + (sa - 1.0) * rng.random(x.shape)
+        distance = sa * x + drift * (best - x)
+        moved = distance * np.exp(self.spiral * turn) * np.cos(2.0 * np.pi * turn) + best
+        return replace(state, candidates=bounded(self.bounds, state.box, moved)[0])
+
+    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
+        """Take the new positions, better or not."""
+        return state.replaced(values)
