@@ -96,6 +96,25 @@ def parse_spec(text: str) -> Spec:
     return Spec(name, **chosen)
 
 
+def parse_specs(text: str) -> tuple[Spec, ...]:
+    """Read specifications separated by commas; an option belongs to the name before it.
+
+    Raises
+    ------
+    StudyError
+        If there is none, or one of them is wrong.
+    """
+    parts: list[str] = []
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        if parts and (part in FORMULATIONS or part in SYNCHRONISATIONS):
+            parts[-1] += f",{part}" if ":" in parts[-1] else f":{part}"
+        else:
+            parts.append(part)
+    if not parts:
+        raise StudyError("no planners to run; name some with --planners, see `study list`")
+    return tuple(dict.fromkeys(parse_spec(part) for part in parts))
+
+
 def default_lineup(names: Iterable[str] | None = None) -> tuple[Spec, ...]:
     """Every headline search as the papers run it and once more `scaled,shared`, and every deterministic planner.
 

@@ -1,0 +1,158 @@
+"""What the command `study` prints: tables and progress, for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+from rich.text import Text
+
+from study.experiment.cases import Case
+from study.experiment.summary import Row
+from study.judge import RATES, Verdict
+from study.planning import Planner
+from study.problem import Problem
+
+DASH = "–"
+
+
+def progress(console: Console) -> Progress:
+    """Build the live display of a run."""
+    return Progress(
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        console=console,
+        transient=False,
+    )
+
+
+def rows_table(case: Case, rows: Iterable[Row]) -> Table:
+    """Table of one case: every method, feasible ones first, with the reason where one is infeasible."""
+    table = Table(title=f"{case.name}: {case.title}", title_justify="left", header_style="bold")
+    table.add_column("method", overflow="fold")
+    for name in ("duration (s)", "gap", "feasible", "worst ratio", "evaluations", "wall (s)"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("reason", overflow="fold", style="dim")
+    for row in rows:
+        table.add_row(*_cells(row), style="" if row.feasible else "red")
+    return table
+
+
+def _cells(row: Row) -> tuple[str | Text, ...]:
+    duration = row.duration if row.duration is not None else row.claimed
+    judged = row.representative is not None
+    return (
+        Text(row.label),
+        DASH if duration is None else f"{duration:.5f}" if judged else f"({duration:g})",
+        DASH if row.gap is None else f"{100 * row.gap:.2f} %",
+        _share(row) if judged else "not judged",
+        DASH if row.worst_ratio is None else f"{row.worst_ratio:.4f}",
+        f"{row.evaluations:,}" if row.evaluations else DASH,
+        DASH if row.kind == "published" else f"{row.wall_time:.3g}",
+        Text(row.reason),
+    )
+
+
+def _share(row: Row) -> str:
+    if row.runs == 1:
+        return "yes" if row.feasible else "no"
+    return f"{row.feasible_runs} of {row.runs}"
+
+
+def verdict_table(problem: Problem, verdict: Verdict) -> Table:
+    """Table of what the judge found, joint by joint."""
+    table = Table(header_style="bold")
+    table.add_column("joint")
+    for name in RATES:
+        table.add_column(f"{name}: share of limit", justify="right")
+        table.add_column("at (s)", justify="right")
+    table.add_column("waypoint error", justify="right")
+    table.add_column("overshoot", justify="right")
+    for j, joint in enumerate(problem.joint_names):
+        rates = []
+        for order, limits in enumerate(problem.limits.rates):
+            rates += [
+                f"{verdict.ratios[order, j]:.6f}" if np.isfinite(limits[j]) else "no limit",
+                f"{verdict.times[order, j]:.4f}",
+            ]
+        table.add_row(joint, *rates, f"{verdict.waypoint_error[j]:.2e}", f"{verdict.overshoot[j]:.2e}")
+    return table
+
+
+def cases_table(cases: Iterable[Case]) -> Table:
+    """Table of cases; those of the default run are marked."""
+    table = Table(title="Cases", title_justify="left", header_style="bold")
+    for name in ("name", "default", "what", "waypoints", "joints", "curve", "paper's planner"):
+        table.add_column(name, overflow="fold", justify="right" if name in ("waypoints", "joints") else "left")
+    for case in cases:
+        size = str(case.problem.n_waypoints), str(case.problem.n_joints)
+        table.add_row(case.name, "yes" if case.default else "", case.title, *size, case.curve, case.planner)
+    return table
+
+
+def planners_table(entries: Sequence[tuple[str, Planner | str]], defaults: Iterable[str]) -> Table:
+    """Table of planners; one that cannot be loaded shows the reason."""
+    table = Table(title="Planners", title_justify="left", header_style="bold")
+    for name in ("name", "default", "kind", "motion"):
+        table.add_column(name, overflow="fold")
+    taken = set(defaults)
+    for name, planner in entries:
+        default = "yes" if name in taken else ""
+        if isinstance(planner, str):
+            table.add_row(name, default, "not available", planner, style="red")
+            continue
+        kind = "search" if planner.stochastic else "deterministic"
+        table.add_row(name, default, kind, "the case's curve" if planner.segment_times else "its own")
+    return table
+
+
+def case_tables(case: Case) -> list[Table]:
+    """Tables of one case: where its numbers come from, its waypoints and its limits."""
+    facts = Table(title=f"{case.name}: {case.title}", title_justify="left", show_header=False)
+    facts.add_column(style="bold")
+    facts.add_column(overflow="fold")
+    lower, upper = case.problem.duration_bounds
+    facts.add_row("paper", case.paper)
+    facts.add_row("curve", f"{case.curve}; the motion {case.problem.end.value}")
+    facts.add_row("segment durations", f"{lower:g} to {upper:g} s")
+    facts.add_row(
+        "paper's planner",
+        f"{case.planner}, {case.settings.formulation}, {case.settings.synchronisation}, population {case.settings.population}, "
+        f"{case.settings.evaluations:,} evaluations",
+    )
+    for name, source in case.sources.items():
+        facts.add_row(f"source of {name}", source)
+    for note in case.notes:
+        facts.add_row("note", note)
+    return [facts, _waypoints_table(case), _limits_table(case)]
+
+
+def _waypoints_table(case: Case) -> Table:
+    table = Table(title="Waypoints", title_justify="left", header_style="bold")
+    table.add_column("", justify="right")
+    for name, unit in zip(case.problem.joint_names, case.units, strict=True):
+        table.add_column(f"{name} ({unit})", justify="right")
+    for number, row in enumerate(case.problem.waypoints, start=1):
+        table.add_row(str(number), *(f"{value:.6g}" for value in row))
+    return table
+
+
+def _limits_table(case: Case) -> Table:
+    table = Table(title="Limits", title_justify="left", header_style="bold")
+    table.add_column("")
+    for name in case.problem.joint_names:
+        table.add_column(name, justify="right")
+    units = ("/s", "/s²", "/s³")
+    for name, unit, limits in zip(RATES, units, case.problem.limits.rates, strict=True):
+        values = [
+            f"{value:g} {of}{unit}" if np.isfinite(value) else "none"
+            for value, of in zip(limits, case.units, strict=True)
+        ]
+        table.add_row(name, *values)
+    return table
