@@ -1,0 +1,80 @@
+"""How the searches approach their answers: the median and the quartiles over seeds, on a common grid of evaluations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from markupsafe import Markup
+
+from study.experiment.cases import Case
+from study.experiment.results import Result
+from study.problem import Floats
+from study.report import figures
+from study.report.featured import Featured
+from study.report.rows import CURVE, Entry
+
+SHOWN = 6
+POINTS = 240
+
+
+@dataclass(frozen=True)
+class ConvergencePart:
+    """The figure and the legend that goes with it."""
+
+    figure: Markup
+    legend: tuple[tuple[int, str], ...]
+
+
+def convergence_of(case: Case, entries: Sequence[Entry], best: Featured) -> ConvergencePart | None:
+    """Draw the paper's own planner and the best other searches; None where no search left a history.
+
+    Parameters
+    ----------
+    case : Case
+    entries : sequence of Entry
+        Ranked, so the first searches are the best.
+    best : Featured
+        Its deterministic optimum is the line to reach.
+    """
+    searches = [
+        entry
+        for entry in entries
+        if entry.row.kind == "search" and entry.path == CURVE and all(len(one.history) for one in entry.results)
+    ]
+    own = [entry for entry in searches if entry.label == case.planner]
+    chosen = (own + [entry for entry in searches if entry not in own])[:SHOWN]
+    curves = [_curve(case, entry, style) for style, entry in enumerate(chosen)]
+    if not curves:
+        return None
+    plain = best.optimiser
+    reference = (plain.label, plain.duration) if plain and plain.row.feasible and plain.duration else None
+    legend = tuple((curve.style, curve.label) for curve in curves)
+    return ConvergencePart(figures.convergence("convergence", curves, reference), legend)
+
+
+def _curve(case: Case, entry: Entry, style: int) -> figures.Convergence:
+    first = min(one.history[0, 0] for one in entry.results)
+    last = max(one.history[-1, 0] for one in entry.results)
+    grid = np.unique(np.round(np.geomspace(max(first, 1.0), max(last, 1.0), POINTS)))
+    values = np.stack([_on_grid(case, one, grid) for one in entry.results])
+    # a run without a feasible candidate counts as infinitely long, so that it does not flatter the median
+    lower, median, upper = np.quantile(values, (0.25, 0.5, 0.75), axis=0, method="nearest")
+    median = np.median(values, axis=0) if np.isfinite(values).all() else median
+    return figures.Convergence(entry.label, style, grid, *(_shown(line) for line in (median, lower, upper)))
+
+
+def _on_grid(case: Case, result: Result, grid: Floats) -> Floats:
+    """Best value so far at every grid point, s; infinite before there is a feasible candidate."""
+    at = np.searchsorted(result.history[:, 0], grid, side="right") - 1
+    values = np.where(at >= 0, result.history[at, 1], np.inf)
+    if result.cell.settings.formulation == "penalty":
+        # the penalty adds more than the longest total in the box, so what is above that total is infeasible
+        ceiling = case.problem.n_segments * case.problem.duration_bounds[1]
+        values = np.where(values > ceiling, np.inf, values)
+    return np.asarray(values)
+
+
+def _shown(values: Floats) -> Floats:
+    return np.where(np.isfinite(values), values, np.nan)

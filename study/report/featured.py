@@ -1,0 +1,75 @@
+"""Which methods stand for their kind: the ones that figures, sentences and the index speak of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from study.report.rows import CURVE, FIXED_PATH, FREE_PATH, Entry
+
+ROLES = ("search", "optimiser", "free", "fixed", "published")
+"""Kinds of methods; the place is the number of the style in figures and legends."""
+
+ROLE_NAMES = {
+    "search": "best metaheuristic",
+    "optimiser": "deterministic, same curve",
+    "free": "deterministic, free path",
+    "fixed": "deterministic, fixed path",
+    "published": "published",
+}
+
+
+@dataclass(frozen=True)
+class Featured:
+    """The best entry of every kind on one case, None where there is none; infeasible only for want of a feasible one.
+
+    Attributes
+    ----------
+    search : Entry, optional
+        Lowest median of all searches on the paper's curve.
+    optimiser : Entry, optional
+        Fastest deterministic method on the paper's curve.
+    free, fixed : Entry, optional
+        Fastest deterministic method with a free path, and on a fixed one.
+    published : Entry, optional
+        Shortest total that the paper prints.
+    """
+
+    search: Entry | None
+    optimiser: Entry | None
+    free: Entry | None
+    fixed: Entry | None
+    published: Entry | None
+
+    def present(self) -> list[tuple[int, str, Entry]]:
+        """Style number, role and entry of every kind that there is."""
+        pairs = [(style, role, getattr(self, role)) for style, role in enumerate(ROLES)]
+        return [(style, role, entry) for style, role, entry in pairs if entry is not None]
+
+    @property
+    def reference(self) -> Entry | None:
+        """What others are measured against: the deterministic optimum on the same curve, or else the best search."""
+        candidates = [entry for entry in (self.optimiser, self.search) if entry is not None and entry.row.feasible]
+        return candidates[0] if candidates else None
+
+
+def featured(entries: Sequence[Entry]) -> Featured:
+    """Pick the entry of every kind; entries are ranked, so the first of a kind is its best."""
+    plain = [entry for entry in entries if entry.row.kind == "deterministic"]
+    return Featured(
+        search=_first(entry for entry in entries if entry.row.kind == "search" and entry.path == CURVE),
+        optimiser=_first(entry for entry in plain if entry.path == CURVE),
+        free=_first(entry for entry in plain if entry.path == FREE_PATH),
+        fixed=_first(entry for entry in plain if entry.path == FIXED_PATH),
+        published=min(
+            (entry for entry in entries if entry.row.kind == "published" and entry.row.joint is None),
+            key=lambda entry: np.inf if entry.duration is None else entry.duration,
+            default=None,
+        ),
+    )
+
+
+def _first(entries: Iterable[Entry]) -> Entry | None:
+    return next(iter(entries), None)

@@ -1,0 +1,111 @@
+"""The ladder of lost time: from the published result down to the fastest known motion, each step named by its cause."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from study.experiment.cases import Case
+from study.report.featured import Featured
+from study.report.rows import CURVE, FREE_PATH, Entry
+from study.report.wording import plural
+
+FREE_CAUSES = {
+    "ruckig-stops": "the path between waypoints is free, but the arm stops at each of them",
+    "ruckig-via": "the path between waypoints is free and the arm passes them in motion",
+}
+BOUND = "lower_bound"
+"""Key of `Result.details` under which a planner proves how short a motion of its own kind can be at best, s."""
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One step of the ladder.
+
+    Attributes
+    ----------
+    name, method : str
+    path : str
+        A key of `study.report.rows.MEANING`; empty for a bound.
+    feasible : bool
+    seconds : float, s
+    change : float, optional, s
+        Against the rung before; None on the first.
+    cause : str
+        What makes the difference to the rung before.
+    """
+
+    name: str
+    method: str
+    path: str
+    feasible: bool
+    seconds: float
+    change: float | None
+    cause: str
+
+    @property
+    def relative(self) -> float | None:
+        """Change as a share of the rung before."""
+        return None if self.change is None else self.change / (self.seconds - self.change)
+
+
+Step = tuple[str, Entry, float | None, str]
+
+
+def ladder_of(case: Case, entries: Sequence[Entry], best: Featured) -> tuple[Rung, ...]:
+    """Climb down from the published result as far as there are results; fewer than two rungs make no ladder."""
+    rungs: list[Rung] = []
+    for name, entry, seconds, cause in _steps(case, entries, best):
+        if seconds is not None:
+            change = seconds - rungs[-1].seconds if rungs else None
+            feasible = entry.row.feasible or entry.motion is None and not entry.row.kind == "published"
+            rungs.append(Rung(name, entry.label, entry.path, feasible, seconds, change, cause))
+    return tuple(rungs) if len(rungs) > 1 else ()
+
+
+def _steps(case: Case, entries: Sequence[Entry], best: Featured) -> Iterator[Step]:
+    if best.published is not None:
+        yield "Published", best.published, best.published.duration, "as the paper prints it"
+    yield from _search_steps(case, entries)
+    if best.optimiser is not None:
+        cause = "what the search leaves on the table: the optimiser, on the same curve"
+        yield "Deterministic optimum, same curve", best.optimiser, best.optimiser.duration, cause + _proof(best.optimiser)
+    if best.fixed is not None:
+        cause = "the path is given, the speed along it is free of the curve's form"
+        yield "Fixed path", best.fixed, best.fixed.duration, cause
+    free = [entry for entry in entries if entry.row.kind == "deterministic" and entry.path == FREE_PATH]
+    for entry in sorted(free, key=lambda entry: -(entry.row.median or 0.0)):
+        cause = FREE_CAUSES.get(entry.planner, "the path between waypoints is free")
+        yield "Free path", entry, entry.row.median, cause
+    for entry in entries:
+        if entry.motion is None and entry.results:
+            cause = "proved: no motion through the waypoints is faster"
+            yield "Lower bound", entry, entry.results[0].details.get(BOUND), cause
+
+
+def _search_steps(case: Case, entries: Sequence[Entry]) -> Iterator[Step]:
+    """The paper's own planner, median and best, then the best search under its rule, then under shared durations."""
+    searches = [entry for entry in entries if entry.row.kind == "search" and entry.row.feasible and entry.path == CURVE]
+    shown = next((entry for entry in searches if entry.label == case.planner), None)
+    if shown is not None:
+        runs = plural(shown.row.feasible_runs, "seed")
+        cause = "our reading of the paper's method, every limit judged exactly"
+        yield f"Reproduced, median of {runs}", shown, shown.row.median, cause
+        if shown.row.feasible_runs > 1:
+            yield f"Reproduced, best of {runs}", shown, shown.row.best, "the luck of the seed"
+    rules = {case.settings.synchronisation: "another search or another formulation, same synchronisation"}
+    rules.setdefault("shared", "synchronisation: all joints share durations from the start")
+    for rule, cause in rules.items():
+        entry = min(_under(searches, rule), key=lambda one: one.row.best or 0.0, default=None)
+        if entry is not None and entry is not shown:
+            yield f"Best search, {rule} durations", entry, entry.row.best, cause
+            shown = entry
+
+
+def _under(entries: Sequence[Entry], rule: str) -> list[Entry]:
+    return [entry for entry in entries if entry.results[0].cell.settings.synchronisation == rule]
+
+
+def _proof(entry: Entry) -> str:
+    bound = entry.results[0].details.get(BOUND) if entry.results else None
+    return "" if bound is None else f"; proved that no less than {bound:.6g} s is possible on it"

@@ -1,0 +1,208 @@
+"""Build the report: an index, one page for every case, and the tables, in one folder that needs nothing else."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import quote
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from study.errors import StudyError
+from study.experiment.cases import Case
+from study.experiment.results import Result
+from study.judge import RATES, TOLERANCE
+from study.report import figures, wording
+from study.report.convergence import convergence_of
+from study.report.featured import ROLE_NAMES, ROLES, Featured, featured
+from study.report.ladder import Rung, ladder_of
+from study.report.papers import papers
+from study.report.rows import MEANING, Entry, entries_of
+from study.report.sentences import answer
+from study.report.tables import COLUMNS, raw, result_record, write_tables
+
+HATCHES = {"paper's curve": "", "fixed path": "...", "free path": "///"}
+
+
+@dataclass(frozen=True, eq=False)
+class CaseReport:
+    """Everything that the page of one case is made from."""
+
+    case: Case
+    slug: str
+    entries: tuple[Entry, ...]
+    best: Featured
+    rungs: tuple[Rung, ...]
+    recording: str | None
+
+
+def build_report(
+    cases: Mapping[str, Case], results: Sequence[Result], out: Path, environment: Mapping[str, str]
+) -> Path:
+    """Write `index.html`, one page per case and the tables.
+
+    Parameters
+    ----------
+    cases : mapping of str to Case
+    results : sequence of Result
+    out : Path
+        Folder, made if need be. A recording `<case>.rrd` in its sibling folder `recordings` is linked.
+    environment : mapping of str to str
+        Versions and machine, printed as they are.
+
+    Returns
+    -------
+    Path
+        The index.
+
+    Raises
+    ------
+    StudyError
+        If the folder cannot be written.
+    """
+    reports = _case_reports(cases, results, out)
+    pages = {report.slug: _case_page(report, environment) for report in reports}
+    pages["index"] = _index_page(reports, environment)
+    try:
+        (out / "tables").mkdir(parents=True, exist_ok=True)
+        for report in reports:
+            write_tables(out / "tables", report.slug, [(report.case, report.entries)])
+        write_tables(out / "tables", "all", [(report.case, report.entries) for report in reports])
+        for name, text in pages.items():
+            (out / f"{name}.html").write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise StudyError(f"the report cannot be written to {str(out)!r}: {error.strerror}; choose another folder") from None
+    return out / "index.html"
+
+
+def _case_reports(cases: Mapping[str, Case], results: Sequence[Result], out: Path) -> list[CaseReport]:
+    reports: list[CaseReport] = []
+    for case in cases.values():
+        entries = entries_of(case, results)
+        best = featured(entries)
+        slug = _slug(case.name, {report.slug for report in reports})
+        recording = out.parent / "recordings" / f"{case.name}.rrd"
+        link = f"../recordings/{quote(case.name)}.rrd" if recording.is_file() else None
+        reports.append(CaseReport(case, slug, entries, best, ladder_of(case, entries, best), link))
+    return reports
+
+
+def _slug(name: str, taken: set[str]) -> str:
+    """File name for a case: letters, digits, dot, dash and underscore only, and not one that is taken."""
+    stem = re.sub(r"[^A-Za-z0-9_.-]+", "-", name).strip(".-") or "case"
+    slug, number = stem, 2
+    while slug in taken | {"index", "all"}:
+        slug, number = f"{stem}-{number}", number + 1
+    return slug
+
+
+def _render(template: str, context: Mapping[str, object]) -> str:
+    loader = PackageLoader("study.report", "templates")
+    environment = Environment(
+        loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters |= {
+        name: getattr(wording, name) for name in ("seconds", "wall", "percent", "share", "count", "plural", "listed")
+    }
+    source = {name: Markup(loader.get_source(environment, f"report.{name}")[0]) for name in ("css", "js")}  # noqa: S704
+    shared = {"rates": RATES, "raw": raw, "columns": COLUMNS, "role_names": ROLE_NAMES, "meaning": MEANING}
+    return environment.get_template(template).render(**shared, **source, **context)
+
+
+def _index_page(reports: Sequence[CaseReport], environment: Mapping[str, str]) -> str:
+    rows = [headline_row(report) for report in reports]
+    known = [row for row in rows if row is not None]
+    reference = "the deterministic optimum on the same curve"
+    drawn = {
+        name: figures.headline(f"headline-{name}", known, reference, width) if known else None
+        for name, width in (("wide", 860.0), ("narrow", 380.0))
+    }
+    return _render(
+        "index.html.j2",
+        {
+            "reports": reports,
+            "sentences": answer([report.best for report in reports]),
+            "headline": drawn,
+            "legend": [(ROLES.index(role), ROLE_NAMES[role]) for role in ROLES],
+            "published": _published_count(reports),
+            "environment": environment,
+        },
+    )
+
+
+def _published_count(reports: Sequence[CaseReport]) -> tuple[int, int]:
+    """How many printed motions there are in all, and how many of them pass the judge."""
+    printed = [entry.row for report in reports for entry in report.entries if entry.row.kind == "published"]
+    judged = [row for row in printed if row.representative is not None]
+    return len(judged), sum(row.feasible for row in judged)
+
+
+def headline_row(report: CaseReport) -> figures.HeadlineRow | None:
+    """Place the featured methods of a case against its reference; None where there is nothing to measure against."""
+    reference = report.best.reference
+    if reference is None or not reference.duration:
+        return None
+    marks = []
+    for style, role, entry in report.best.present():
+        if entry.duration:
+            best = entry.row.best if role == "search" else None
+            spread = None if best is None else 100 * (best / reference.duration - 1)
+            percent = 100 * (entry.duration / reference.duration - 1)
+            marks.append(figures.Mark(style, percent, entry.row.feasible, spread))
+    return figures.HeadlineRow(report.case.name, tuple(marks))
+
+
+def _case_page(report: CaseReport, environment: Mapping[str, str]) -> str:
+    series = [
+        figures.Series(entry.label, style, entry.motion)
+        for style, _, entry in report.best.present()
+        if entry.motion is not None
+    ]
+    problem = report.case.problem
+    drawn = {
+        "profiles": [
+            figures.profile(f"profile-{joint}", problem, joint, report.case.units[joint], series)
+            for joint in range(problem.n_joints)
+            if series
+        ],
+        "segments": figures.segments("segments", series) if series else None,
+        "ladder": _ladder_figure(report.rungs),
+    }
+    return _render(
+        "case.html.j2",
+        {
+            "report": report,
+            "case": report.case,
+            "problem": problem,
+            "paper": papers().get(report.case.paper),
+            "records": [(entry, result_record(report.case, entry)) for entry in report.entries if entry.row.joint is None],
+            "single": [entry for entry in report.entries if entry.row.joint is not None],
+            "featured": report.best.present(),
+            "series": series,
+            "figures": drawn,
+            "convergence": convergence_of(report.case, report.entries, report.best),
+            "tolerance": TOLERANCE,
+            "infinity": float("inf"),
+            "ledger": (),
+            "environment": environment,
+        },
+    )
+
+
+def _ladder_figure(rungs: Sequence[Rung]) -> Markup | None:
+    bars = [
+        figures.Bar(
+            f"{rung.name}: {rung.method}" + (f" ({rung.path})" if rung.path and not rung.path.startswith("paper") else ""),
+            wording.seconds(rung.seconds)
+            + (f"  ({wording.percent(rung.relative)})" if rung.relative is not None else "")
+            + ("" if rung.feasible else "  infeasible"),
+            rung.seconds,
+            HATCHES.get(rung.path, "xxx"),
+            rung.feasible,
+        )
+        for rung in rungs
+    ]
+    return figures.ladder("ladder", bars) if bars else None

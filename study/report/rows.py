@@ -1,0 +1,105 @@
+"""What the report knows of every method on a case: its summary row, its place and the freedom it took."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from study.curves import CURVES
+from study.errors import StudyError
+from study.experiment.cases import Case
+from study.experiment.results import Result
+from study.experiment.summary import CURVE, FIXED_PATH, FREE_PATH, Row, case_rows
+from study.problem import Problem
+from study.trajectory import Motion
+
+MEANING = {
+    CURVE: "the curve family of the paper; a method chooses the segment durations and nothing else",
+    FIXED_PATH: "the geometric path is given; a method chooses the speed along it",
+    FREE_PATH: "any motion through the waypoints; the path between them is the method's own",
+}
+"""What a method of each kind may change; times of different kinds answer different questions."""
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """One row of a case's table and what stands behind it.
+
+    Attributes
+    ----------
+    row : Row
+    path : str
+        A key of `MEANING`, or empty where there is no motion.
+    rank : int, optional
+        Place among the feasible methods; None for an infeasible one and for single joints.
+    results : tuple of Result
+        All runs, by seed; empty for a published row.
+    """
+
+    row: Row
+    path: str
+    rank: int | None
+    results: tuple[Result, ...]
+
+    @property
+    def label(self) -> str:
+        """Name in tables."""
+        return self.row.label
+
+    @property
+    def planner(self) -> str:
+        """Registry name, or `published`."""
+        return self.row.representative.cell.planner if self.row.representative else "published"
+
+    @property
+    def motion(self) -> Motion | None:
+        """Motion of the representative run."""
+        return self.row.representative.motion if self.row.representative else None
+
+    @property
+    def duration(self) -> float | None:
+        """Duration to show, s: the feasible median, or that of an infeasible motion, or what the paper prints."""
+        return self.row.claimed if self.row.duration is None else self.row.duration
+
+
+def entries_of(case: Case, results: Sequence[Result]) -> tuple[Entry, ...]:
+    """Give every summary row of a case its place, its freedom and its runs.
+
+    Parameters
+    ----------
+    case : Case
+    results : sequence of Result
+        Those of other cases are passed over.
+    """
+    own = sorted((one for one in results if one.cell.case == case.name), key=lambda one: one.cell.settings.seed)
+    places = iter(range(1, len(own) + len(case.published) + 2))
+    return tuple(
+        Entry(
+            row,
+            path_of(case, row),
+            next(places) if row.feasible and row.joint is None else None,
+            tuple(one for one in own if one.cell.label == row.label),
+        )
+        for row in case_rows(case, own)
+    )
+
+
+def path_of(case: Case, row: Row) -> str:
+    """Tell what a method was free to change; where the summary does not know, the motion itself is looked at."""
+    motion = row.representative.motion if row.representative else None
+    if row.path or motion is None:
+        return row.path
+    return CURVE if on_curve(case.problem, case.curve, motion) else FREE_PATH
+
+
+def on_curve(problem: Problem, curve: str, motion: Motion) -> bool:
+    """Rebuild the curve from the motion's own segment durations and compare the two."""
+    try:
+        rebuilt = CURVES[curve].motion(problem.waypoints, np.diff(motion.waypoint_times))
+    except StudyError:
+        return False
+    times = np.linspace(0.0, motion.duration, 101)
+    scale = max(float(np.ptp(problem.waypoints)), 1e-9)
+    return bool(np.abs(rebuilt(times) - motion(times)).max() <= 1e-6 * scale)

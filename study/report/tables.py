@@ -1,0 +1,179 @@
+"""The tables of the report: one set of records for the page, CSV and Parquet; the only file that imports pandas."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+from study.experiment.cases import Case
+from study.experiment.lineup import QUICK_EVALUATIONS
+from study.judge import RATES
+from study.report.rows import Entry
+from study.report.wording import DASH, count, percent, seconds, share, wall
+
+Value = str | int | float | bool | None
+Record = dict[str, Value]
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the results table: its key in the files, its head on the page and how a value reads there."""
+
+    key: str
+    head: str
+    hint: str
+    text: Callable[[Value], str]
+    numeric: bool = True
+
+
+def _plain(value: Value) -> str:
+    return DASH if value in (None, "") else str(value)
+
+
+def _number(form: Callable[[float | None], str]) -> Callable[[Value], str]:
+    return lambda value: form(float(value) if isinstance(value, int | float) else None)
+
+
+COLUMNS = (
+    Column("rank", "#", "place among feasible methods, by median time", _plain),
+    Column("method", "Method", "planner and, after a colon, how it differs from the paper's own way", _plain, False),
+    Column("kind", "Kind", "search, deterministic or published", _plain, False),
+    Column("path", "Path", "what the method was free to change", _plain, False),
+    Column("median_s", "Median", "median time over feasible runs; of an infeasible method the time of its motion", _number(seconds)),
+    Column("best_s", "Best", "shortest time of a feasible run", _number(seconds)),
+    Column("gap", "Gap", "median above the shortest feasible time known for the case, of any freedom", _number(percent)),
+    Column("feasible", "Feasible", "runs that passed the judge, of all runs (one for each seed)", _plain, False),
+    Column("worst_ratio", "Limit use", "largest peak over its limit; above 1 a limit is broken", _number(share)),
+    Column("evaluations", "Evaluations", "curve evaluations of a search, median over runs", _number(lambda v: count(v) if v else DASH)),
+    Column("wall_s", "Wall time", "computing time of the planner, median over runs", _number(lambda v: wall(v) if v else DASH)),
+)
+
+
+def command(case: Case, entry: Entry) -> str:
+    """Shell command that makes a row again."""
+    if not entry.results:
+        return "study report"
+    settings = entry.results[0].cell.settings
+    parts = ["study", "run", "--cases", case.name, "--planners", entry.label]
+    if entry.row.kind == "search":
+        seeds = max(one.cell.settings.seed for one in entry.results) + 1
+        parts += ["--seeds", str(seeds)]
+        if settings.evaluations != QUICK_EVALUATIONS and settings.evaluations == case.settings.evaluations:
+            parts.append("--full")
+    return shlex.join(parts)
+
+
+def result_record(case: Case, entry: Entry) -> Record:
+    """One row of the results table; times in s, shares as plain numbers."""
+    row = entry.row
+    return {
+        "case": case.name,
+        "rank": entry.rank,
+        "method": entry.label,
+        "kind": row.kind,
+        "path": entry.path,
+        "median_s": _float(entry.duration),
+        "best_s": _float(row.best),
+        "gap": _float(row.gap),
+        "feasible": f"{row.feasible_runs}/{row.runs}",
+        "runs": row.runs,
+        "feasible_runs": row.feasible_runs,
+        "worst_ratio": _float(row.worst_ratio),
+        "evaluations": row.evaluations,
+        "wall_s": _float(row.wall_time),
+        "claimed_s": _float(row.claimed),
+        "reason": row.reason,
+        "command": command(case, entry),
+    }
+
+
+def run_records(case: Case, entry: Entry) -> list[Record]:
+    """One record for every seed of a method."""
+    return [
+        {
+            "case": case.name,
+            "method": entry.label,
+            "seed": one.cell.settings.seed,
+            "status": one.status.value,
+            "duration_s": _float(one.verdict.duration) if one.verdict else None,
+            "feasible": bool(one.verdict and one.verdict.feasible),
+            "worst_ratio": _float(one.verdict.worst_ratio) if one.verdict else None,
+            "waypoint_error": _float(one.verdict.waypoint_error.max()) if one.verdict else None,
+            "continuity": one.verdict.continuity if one.verdict else None,
+            "evaluations": one.evaluations,
+            "iterations": one.iterations,
+            "wall_s": _float(one.wall_time),
+            "message": "; ".join(one.verdict.reasons) if one.verdict and one.verdict.reasons else one.message,
+        }
+        for one in entry.results
+    ]
+
+
+def limit_records(case: Case, entry: Entry) -> list[Record]:
+    """One record for every joint and rate of a method's representative motion."""
+    verdict = entry.row.representative.verdict if entry.row.representative else None
+    if verdict is None or entry.row.joint is not None:
+        return []
+    limits = case.problem.limits.rates
+    return [
+        {
+            "case": case.name,
+            "method": entry.label,
+            "joint": name,
+            "rate": rate,
+            "peak": _float(verdict.peaks[order, joint]),
+            "limit": _float(limits[order, joint]),
+            "ratio": _float(verdict.ratios[order, joint]),
+            "at_s": _float(verdict.times[order, joint]),
+            "segment": int(verdict.segments[order, joint]) + 1,
+        }
+        for order, rate in enumerate(RATES)
+        for joint, name in enumerate(case.problem.joint_names)
+    ]
+
+
+def segment_records(case: Case, entry: Entry) -> list[Record]:
+    """One record for every segment of a method's representative motion."""
+    if entry.motion is None or entry.row.joint is not None:
+        return []
+    times = entry.motion.waypoint_times
+    return [
+        {"case": case.name, "method": entry.label, "segment": k + 1, "start_s": float(a), "duration_s": float(b - a)}
+        for k, (a, b) in enumerate(zip(times, times[1:], strict=False))
+    ]
+
+
+def write_tables(folder: Path, name: str, cases: Sequence[tuple[Case, Sequence[Entry]]]) -> None:
+    """Write results, runs, limits and segments of some cases as CSV and Parquet.
+
+    Parameters
+    ----------
+    folder : Path
+    name : str
+        Beginning of the file names.
+    cases : sequence of (Case, entries)
+    """
+    pairs = [(case, entry) for case, entries in cases for entry in entries]
+    tables = {
+        "results": [result_record(*pair) for pair in pairs],
+        "runs": [record for pair in pairs for record in run_records(*pair)],
+        "limits": [record for pair in pairs for record in limit_records(*pair)],
+        "segments": [record for pair in pairs for record in segment_records(*pair)],
+    }
+    for kind, records in tables.items():
+        frame = pd.DataFrame.from_records(records).convert_dtypes(convert_floating=False)
+        frame.to_csv(folder / f"{name}-{kind}.csv", index=False, lineterminator="\n")
+        frame.to_parquet(folder / f"{name}-{kind}.parquet", index=False)
+
+
+def raw(value: Value) -> str:
+    """Write a value exactly as the CSV file does."""
+    return "" if value is None else repr(value) if isinstance(value, float) else str(value)
+
+
+def _float(value: float | None) -> float | None:
+    return None if value is None else float(value)

@@ -1,0 +1,56 @@
+"""Numbers as people read them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+DASH = "–"
+
+
+def seconds(value: float | None) -> str:
+    """Time with enough digits to tell neighbours apart."""
+    return DASH if value is None or not math.isfinite(value) else f"{value:.4f} s"
+
+
+def wall(value: float | None) -> str:
+    """Wall time in the unit that suits it."""
+    if value is None or not math.isfinite(value):
+        return DASH
+    if value < 1.0:
+        return f"{1e3 * value:.3g} ms"
+    return f"{value:.3g} s" if value < 100 else f"{value:.0f} s"
+
+
+def percent(fraction: float | None, signed: bool = True) -> str:
+    """Fraction as a percentage: two digits after the point below ten percent, one above."""
+    if fraction is None or not math.isfinite(fraction):
+        return DASH
+    value = 100.0 * fraction
+    digits = 2 if abs(value) < 9.995 else 1
+    if 1e-4 <= abs(value) < 0.005:
+        return "< 0.01 %" if value > 0 else "> −0.01 %"
+    text = f"{value:+.{digits}f}" if signed else f"{value:.{digits}f}"
+    return "0 %" if float(text) == 0 else text.replace("-", "−") + " %"
+
+
+def share(ratio: float | None) -> str:
+    """Share of a limit, with the digits that show a small excess."""
+    if ratio is None or not math.isfinite(ratio):
+        return DASH
+    return f"{ratio:.4f}" if abs(ratio - 1) > 5e-5 or abs(ratio - 1) < 1e-6 else f"{ratio:.6f}"
+
+
+def count(value: float | None) -> str:
+    """Whole number with thin spaces between thousands."""
+    return DASH if value is None else f"{value:,.0f}".replace(",", "\u202f")
+
+
+def listed(words: Sequence[str]) -> str:
+    """Join words as in a sentence."""
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}" if words else ""
+
+
+def plural(number: int, noun: str) -> str:
+    """Number and noun, with an s where needed."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
