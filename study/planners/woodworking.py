@@ -41,7 +41,11 @@ PSO_BASIC = SegmentTimePlanner(
     )
 )
 CF_PSO = SegmentTimePlanner(
-    CFPSO(cognitive=2.05, social=2.05, flight=Flight(clamp=np.inf, bounds="clip"))  # Clerc and Kennedy 2002
+    CFPSO(
+        cognitive=2.05,  # Clerc and Kennedy 2002
+        social=2.05,
+        flight=Flight(clamp=0.5, unit="share", bounds="clip"),  # Eberhart and Shi 2000; bounds rule ours
+    )
 )
 SIMPLE_PSO = SegmentTimePlanner(
     SimplePSO(inertia=(0.9, 0.4), cognitive=2.0, social=2.0, bounds="clip")  # eq. (22); values after Hu and Li 2007

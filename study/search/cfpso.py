@@ -16,7 +16,7 @@ from study.problem import Floats
 from study.search.loop import Box
 from study.search.pso import Flight, SwarmState, flown, swarm_at_rest, uniform_population
 
-UNCLAMPED = Flight(clamp=np.inf)
+FLIGHT = Flight(clamp=0.5)
 
 
 def constriction(phi: float) -> float:
@@ -36,7 +36,8 @@ class CFPSO:
         Apply the factor to the old velocity alone: no algorithm of that name, yet it explains the woodworking paper's
         Table 3 (with an absolute clamp of 3).
     flight : Flight
-        Clamp and bounds rule; ours: no clamp, since the factor is meant to make one unnecessary.
+        Clamp and bounds rule; half the box's width after Eberhart and Shi 2000, `clip` is ours. Without a clamp, `clip`
+        traps coordinates on the walls of a 30-dimensional box.
 
     Raises
     ------
@@ -47,7 +48,7 @@ class CFPSO:
     cognitive: float = 2.05
     social: float = 2.05
     inertia_only: bool = False
-    flight: Flight = UNCLAMPED
+    flight: Flight = FLIGHT
 
     def __post_init__(self) -> None:
         if self.cognitive + self.social <= 4:

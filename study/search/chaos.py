@@ -16,6 +16,7 @@ from study.errors import unknown
 from study.problem import Floats
 from study.search.loop import Box
 
+DIRECTIONS = ("dimensions", "population")
 N_BINS = 10
 
 
@@ -105,7 +106,12 @@ def map_named(name: str) -> ChaosMap:
 
 
 def chaotic_population(
-    chaos: ChaosMap, box: Box, population: int, rng: np.random.Generator, along: str = "population"
+    chaos: ChaosMap,
+    box: Box,
+    population: int,
+    rng: np.random.Generator,
+    along: str = "population",
+    rescale: bool = False,
 ) -> Floats:
     """Spread an initial population by chaotic sequences that start at random numbers.
 
@@ -118,6 +124,9 @@ def chaotic_population(
     along : str
         `population`: one sequence per dimension, each candidate one step (woodworking and PUMA560 papers).
         `dimensions`: one sequence per candidate, each dimension one step (sparrow paper).
+    rescale : bool
+        Stretch every sequence so that its least number becomes 0 and its greatest 1, one way to read the x_min and x_max
+        of the sparrow paper's Eq. (17).
 
     Returns
     -------
@@ -128,12 +137,21 @@ def chaotic_population(
     StudyError
         If `along` is neither.
     """
-    dimensions = len(box.lower)
-    if along == "population":
-        return box.at(chaos.sequences(rng.random(dimensions), population, rng))
-    if along == "dimensions":
-        return box.at(chaos.sequences(rng.random(population), dimensions, rng).T)
-    raise unknown("direction of a chaotic sequence", along, ("population", "dimensions"))
+    if along not in DIRECTIONS:
+        raise unknown("direction of a chaotic sequence", along, DIRECTIONS)
+    shape = population, len(box.lower)
+    length, n_sequences = shape if along == "population" else shape[::-1]
+    numbers = chaos.sequences(rng.random(n_sequences), length, rng)
+    if rescale:
+        numbers = rescaled(numbers)
+    return box.at(numbers if along == "population" else numbers.T)
+
+
+def rescaled(numbers: Floats) -> Floats:
+    """Stretch sequences, shape (length, n_sequences), to fill [0, 1]; one that never changes becomes 0."""
+    least = numbers.min(axis=0)
+    spread = numbers.max(axis=0) - least
+    return (numbers - least) / np.where(spread > 0, spread, 1.0)
 
 
 def uniformity(values: Floats) -> float:
