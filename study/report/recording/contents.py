@@ -1,4 +1,4 @@
-"""What a recording shows: one entry per method, judged, coloured and sampled."""
+"""What a recording shows: every method of a case, judged, coloured and sampled."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from study.curves import curve_named
 from study.errors import StudyError
 from study.experiment.cases import Case
 from study.experiment.results import Result
-from study.judge import Verdict, judge
 from study.problem import Floats
 from study.report.activity import Use, limit_uses
+from study.report.featured import Featured, featured
+from study.report.rows import Entry, entries_of
 from study.trajectory import Motion
 
 NANOSECOND = 1e-9
@@ -45,52 +45,54 @@ PALETTE = (
 
 
 @dataclass(frozen=True, eq=False)
-class Entry:
-    """One method on one case.
+class Shown:
+    """A motion that the recording shows, and the method it belongs to.
 
     Attributes
     ----------
-    label : str
+    entry : Entry
+    motion : Motion
+        Of the method's representative run.
     color : tuple of three int
-    motion : Motion, optional
-    verdict : Verdict, optional
     uses : tuple of Use
         When which limit is active.
-    result : Result, optional
-        The run shown; None for what a paper prints.
-    seeds, feasible : int
-        Runs of this label, and how many of them the judge found feasible.
-    remark : str
-        Why there is no motion, or why it is infeasible.
     """
 
-    label: str
+    entry: Entry
+    motion: Motion
     color: tuple[int, int, int]
-    motion: Motion | None
-    verdict: Verdict | None
-    uses: tuple[Use, ...] = ()
-    result: Result | None = None
-    seeds: int = 1
-    feasible: int = 0
-    remark: str = ""
+    uses: tuple[Use, ...]
 
     @property
-    def rank(self) -> tuple[int, float]:
-        """Order in tables: feasible ones by duration, then infeasible ones, then those without a motion."""
-        if self.verdict is None:
-            return (2, 0.0)
-        return (0 if self.verdict.feasible else 1, self.verdict.duration)
+    def label(self) -> str:
+        """Name in tables."""
+        return self.entry.label
+
+    @property
+    def feasible(self) -> bool:
+        """Whether the motion shown passed the judge."""
+        run = self.entry.row.representative
+        return run is not None and run.verdict is not None and run.verdict.feasible
+
+    @property
+    def title(self) -> str:
+        """Name, time and, if it is so, that the motion is infeasible."""
+        return f"{self.label}  {self.motion.duration:.3f} s{'' if self.feasible else '  infeasible'}"
 
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """A case and its entries, the best feasible duration of all runs, and how finely motions are sampled.
+    """A case, its methods in order of rank and the motions shown.
 
     Attributes
     ----------
     case : Case
     entries : tuple of Entry
-        In order of rank.
+        Rows of the table; single joints are left out.
+    chosen : Featured
+        The best of every kind, for the first look.
+    shown : tuple of Shown
+        Methods with a motion; of what the paper prints only the shortest.
     best : float, s
         Shortest feasible duration of any run, infinite where there is none.
     samples : int
@@ -99,22 +101,25 @@ class Contents:
 
     case: Case
     entries: tuple[Entry, ...]
+    chosen: Featured
+    shown: tuple[Shown, ...]
     best: float
     samples: int
 
     @property
-    def moving(self) -> tuple[tuple[Entry, Motion], ...]:
-        """Entries that have a motion, each with it."""
-        return tuple((entry, entry.motion) for entry in self.entries if entry.motion is not None)
-
-    @property
     def longest(self) -> float:
         """Longest duration of any motion, s."""
-        return max((motion.duration for _, motion in self.moving), default=1.0)
+        return max((one.motion.duration for one in self.shown), default=1.0)
+
+    @property
+    def first_look(self) -> tuple[Shown, ...]:
+        """The best method of every kind and the paper's own planner, in order of rank."""
+        labels = {entry.label for _, _, entry in self.chosen.present()} | {self.case.planner}
+        return tuple(one for one in self.shown if one.label in labels)
 
 
 def gather(case: Case, results: Sequence[Result], samples: int) -> Contents:
-    """Choose what to show: of every label the run in the middle of its ranks, and what the paper prints.
+    """Choose what to show of a case's results.
 
     Raises
     ------
@@ -126,48 +131,39 @@ def gather(case: Case, results: Sequence[Result], samples: int) -> Contents:
         raise StudyError(
             f"recording of case {case.name!r}: got results of case {strangers[0]!r}; give one case's results"
         )
-    labels = list(dict.fromkeys(result.cell.label for result in results))
-    groups = {label: sorted((r for r in results if r.cell.label == label), key=_result_rank) for label in labels}
-    found = printed_motion(case)
-    printed = dict([found]) if found is not None and found[0] not in groups else {}
-    if not groups and not printed:
+    entries = tuple(entry for entry in entries_of(case, results) if entry.row.joint is None)
+    if not entries:
         raise StudyError(f"recording of case {case.name!r}: no results; run the case first")
-    colors = method_colors([*groups, *printed])
-    entries = [_entry(case, group, colors[label]) for label, group in groups.items()]
-    entries += [_printed_entry(case, label, motion, colors[label]) for label, motion in printed.items()]
-    durations = [r.verdict.duration for r in results if r.verdict is not None and r.verdict.feasible]
-    durations += [e.rank[1] for e in entries if e.rank[0] == 0]
-    return Contents(
-        case, tuple(sorted(entries, key=lambda e: (*e.rank, e.label))), min(durations, default=np.inf), samples
+    chosen = featured(entries)
+    moving = [e for e in entries if e.row.kind != "published" or e is chosen.published]
+    colors = method_colors([entry.label for entry in moving], [entry.label for _, _, entry in chosen.present()])
+    shown = tuple(
+        Shown(entry, entry.motion, colors[entry.label], limit_uses(entry.motion, case.problem.limits))
+        for entry in moving
+        if entry.motion is not None
     )
+    best = min((entry.row.best for entry in entries if entry.row.best is not None), default=np.inf)
+    return Contents(case, entries, chosen, shown, best, samples)
 
 
-def method_colors(labels: Sequence[str]) -> dict[str, tuple[int, int, int]]:
-    """Give every method a colour of its own that depends on its name, so that it rarely changes between cases."""
-    free = list(range(len(PALETTE)))
+def method_colors(labels: Sequence[str], first: Sequence[str] = ()) -> dict[str, tuple[int, int, int]]:
+    """Give every method a colour that depends on its name, so that it rarely changes between cases.
+
+    Parameters
+    ----------
+    labels : sequence of str
+    first : sequence of str
+        Methods that are served first, so that no two of them share a colour.
+    """
+    free: list[int] = []
     colors: dict[str, tuple[int, int, int]] = {}
-    for label in sorted(labels):
+    for label in sorted(labels, key=lambda label: (label not in first, label)):
+        free = free or list(range(len(PALETTE)))
         wanted = int.from_bytes(hashlib.sha256(label.encode()).digest()[:4], "big") % len(PALETTE)
         slot = min(free, key=lambda k: (k - wanted) % len(PALETTE))
         colors[label] = PALETTE[slot]
         free.remove(slot)
-        free = free or list(range(len(PALETTE)))
     return colors
-
-
-def printed_motion(case: Case) -> tuple[str, Motion] | None:
-    """Motion of the shortest total that the paper prints with durations for all joints together, with its label.
-
-    Durations of single joints do not make a motion of the arm; durations that make no motion on the case's curve are
-    passed over.
-    """
-    together = [(row.label, row.durations) for row in case.published if row.durations is not None and row.joint is None]
-    for label, durations in sorted(together, key=lambda pair: float(pair[1].sum())):
-        try:
-            return f"published {label}", curve_named(case.curve).motion(case.problem.waypoints, durations)
-        except StudyError:
-            continue
-    return None
 
 
 def sample_times(motion: Motion, samples: int) -> np.ndarray:
@@ -196,24 +192,3 @@ def sample_times(motion: Motion, samples: int) -> np.ndarray:
 def seconds(times: np.ndarray) -> Floats:
     """Turn whole nanoseconds into seconds, the way a reader of the recording does."""
     return times * NANOSECOND
-
-
-def _result_rank(result: Result) -> tuple[int, float, int]:
-    verdict = result.verdict
-    if verdict is None:
-        return (2, 0.0, result.cell.settings.seed)
-    return (0 if verdict.feasible else 1, verdict.duration, result.cell.settings.seed)
-
-
-def _entry(case: Case, group: Sequence[Result], color: tuple[int, int, int]) -> Entry:
-    shown = group[(len(group) - 1) // 2]
-    feasible = sum(r.verdict is not None and r.verdict.feasible for r in group)
-    uses = limit_uses(shown.motion, case.problem.limits) if shown.motion is not None else ()
-    remark = "; ".join(shown.verdict.reasons) if shown.verdict is not None else shown.message or shown.status.value
-    return Entry(shown.cell.label, color, shown.motion, shown.verdict, uses, shown, len(group), feasible, remark)
-
-
-def _printed_entry(case: Case, label: str, motion: Motion, color: tuple[int, int, int]) -> Entry:
-    verdict = judge(case.problem, motion)
-    uses = limit_uses(motion, case.problem.limits)
-    return Entry(label, color, motion, verdict, uses, None, 1, int(verdict.feasible), "; ".join(verdict.reasons))

@@ -1,29 +1,34 @@
-"""How the viewer opens a recording: an overview, then one tab per signal, convergence and activity."""
+"""How the viewer opens a recording: an overview, then one tab per signal, convergence, activity and durations."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 import rerun.blueprint as rrb
 
 from study.experiment.cases import Case
 from study.judge import RATES
-from study.report.recording.contents import Contents
+from study.problem import Floats
+from study.report.recording.contents import Contents, Shown
+from study.report.recording.pictures import bars_bounds, curves_bounds, key_bounds
 from study.report.recording.scene import Scene
 from study.report.recording.signals import limit_values
-from study.report.recording.stream import SIGNALS, TIMELINE, entity
+from study.report.recording.stream import EVALUATION, SIGNALS, TIMELINE, entity
+from study.report.recording.summary import history, ladder_bars
 
 TITLES = ("Position", "Velocity", "Acceleration", "Jerk")
-KINDS = ("angle", "speed")
+Part = rrb.View | rrb.Container
 
 
 def layout(contents: Contents, scene: Scene | None) -> rrb.Blueprint:
     """Arrange the views of a recording; time stands still at the start."""
-    tabs = [
-        _overview(contents, scene),
-        *(_signal_tab(contents, order) for order in range(4)),
-        _convergence(contents),
-        _activity(contents, "Activity"),
-    ]
+    tabs: list[Part] = [_overview(contents, scene), *(_signal_tab(contents, order) for order in range(4))]
+    tabs += _activity(contents)
+    tabs += _convergence(contents)
+    tabs.append(_drawing("Durations", "durations", bars_bounds(len(contents.shown))))
+    if scene is not None:
+        tabs.append(_arms("All arms", scene, scene.whole, ["$origin/**"]))
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=0),
         rrb.BlueprintPanel(state="hidden"),
@@ -37,40 +42,47 @@ def layout(contents: Contents, scene: Scene | None) -> rrb.Blueprint:
 def _overview(contents: Contents, scene: Scene | None) -> rrb.Container:
     words = rrb.Vertical(
         rrb.TextDocumentView(name="Summary", origin="summary"),
-        rrb.BarChartView(name="Duration of each method, s", origin="durations"),
+        _drawing("Ladder of lost time", "ladder", bars_bounds(len(ladder_bars(contents)))),
         row_shares=[3, 2],
     )
-    plots = [_plot(contents, order, joint, legend=False) for order, joint in active_signals(contents)]
-    right: list[rrb.View | rrb.Container] = [] if scene is None else [_arms("Arms side by side", scene)]
-    right.append(rrb.Horizontal(*plots))
-    moving = rrb.Vertical(*right, row_shares=[3, 2][: len(right)])
-    return rrb.Horizontal(words, moving, column_shares=[2, 3], name="Overview")
+    first = contents.first_look
+    plots = rrb.Horizontal(*(_plot(contents, order, joint, first) for order, joint in active_signals(contents)))
+    if scene is None:
+        return rrb.Horizontal(words, plots, column_shares=[2, 3], name="Overview")
+    within = [f"+ {entity('arms', one.label)}/**" for one in first]
+    arms = _arms("Arms side by side; tool paths dark where slow, bright where fast", scene, scene.front, within)
+    return rrb.Horizontal(words, rrb.Vertical(arms, plots, row_shares=[3, 2]), column_shares=[2, 3], name="Overview")
 
 
 def active_signals(contents: Contents, wanted: int = 3) -> list[tuple[int, int]]:
-    """Orders and joints whose limits the fastest feasible method uses longest; velocity of the first joints otherwise."""
+    """Orders and joints whose limits the first look's methods use longest; velocities fill up where there are few."""
     shares: dict[tuple[int, int], float] = {}
-    for entry, motion in contents.moving:
-        for use in entry.uses:
+    for one in contents.first_look:
+        for use in one.uses:
             key = (use.order, use.joint)
-            shares[key] = shares.get(key, 0.0) + (use.end - use.start) / motion.duration
-    ranked = sorted(shares, key=lambda key: (-shares[key], key))
+            shares[key] = shares.get(key, 0.0) + (use.end - use.start) / one.motion.duration
+    ranked = sorted(shares, key=lambda key: (-shares[key], key))[:wanted]
     others = [(1, joint) for joint in range(contents.case.problem.n_joints)]
-    return sorted(dict.fromkeys([*ranked[:wanted], *others]), key=lambda key: key not in ranked)[:wanted]
+    return sorted(list(dict.fromkeys([*ranked, *others]))[:wanted])
 
 
 def _signal_tab(contents: Contents, order: int) -> rrb.Container:
     joints = range(contents.case.problem.n_joints)
-    return rrb.Grid(*(_plot(contents, order, joint, legend=joint == 0) for joint in joints), name=TITLES[order])
+    return rrb.Grid(*(_plot(contents, order, joint) for joint in joints), name=TITLES[order])
 
 
-def _plot(contents: Contents, order: int, joint: int, legend: bool) -> rrb.TimeSeriesView:
+def _plot(contents: Contents, order: int, joint: int, only: Sequence[Shown] = ()) -> rrb.TimeSeriesView:
+    """Plot one signal of one joint, of all methods or only of some."""
     case = contents.case
-    name = f"{TITLES[order]} of {case.problem.joint_names[joint]}, {_unit(case, order, joint)}"
+    joint_name = case.problem.joint_names[joint]
+    unit = case.units[joint] + ("", "/s", "/s²", "/s³")[order]
+    within = [f"+ {entity(SIGNALS[order], joint_name, one.label)}/**" for one in only]
+    limit = f"+ {entity(SIGNALS[order], joint_name, '_limit')}"
     return rrb.TimeSeriesView(
-        name=name,
-        origin=entity(SIGNALS[order], case.problem.joint_names[joint]),
-        plot_legend=rrb.PlotLegend(visible=legend),
+        name=f"{TITLES[order]} of {joint_name}, {unit}",
+        origin=entity(SIGNALS[order], joint_name),
+        contents=[limit, *within] if only else "$origin/**",
+        plot_legend=rrb.PlotLegend(visible=False),
         axis_y=_axis(case, order, joint),
     )
 
@@ -83,33 +95,45 @@ def _axis(case: Case, order: int, joint: int) -> rrb.ScalarAxis | None:
     return rrb.ScalarAxis(range=(1.2 * pair[1], 1.2 * pair[0]), zoom_lock=False)
 
 
-def _unit(case: Case, order: int, joint: int) -> str:
-    return case.units[joint] + ("", "/s", "/s²", "/s³")[order]
-
-
-def _arms(name: str, scene: Scene) -> rrb.Spatial3DView:
-    distance = 0.9 * float(np.linalg.norm(scene.extent))
-    eye = scene.middle + distance * np.array([1.0, 0.0, 0.35])
+def _arms(name: str, scene: Scene, box: tuple[Floats, Floats], contents: list[str]) -> rrb.Spatial3DView:
+    """Look along the x axis at a row of arms, from far enough away to see all of it."""
+    middle, extent = box
+    distance = 0.5 * extent[0] + max(0.55 * extent[1], 1.1 * extent[2])
+    eye = middle + distance * np.array([1.0, 0.0, 0.25])
     return rrb.Spatial3DView(
         name=name,
         origin="arms",
-        eye_controls=rrb.EyeControls3D(position=eye, look_target=scene.middle, eye_up=(0.0, 0.0, 1.0)),
+        contents=contents,
+        eye_controls=rrb.EyeControls3D(position=eye, look_target=middle, eye_up=(0.0, 0.0, 1.0)),
     )
 
 
-def _convergence(contents: Contents) -> rrb.Container:
-    return rrb.Vertical(
+def _drawing(name: str, origin: str, bounds: tuple[tuple[float, float], tuple[float, float]]) -> rrb.Spatial2DView:
+    limits = rrb.VisualBounds2D(x_range=bounds[0], y_range=bounds[1])
+    return rrb.Spatial2DView(name=name, origin=origin, visual_bounds=limits)
+
+
+def _convergence(contents: Contents) -> list[Part]:
+    """The drawing for every timeline, and the series themselves, which need the timeline `evaluation`."""
+    searches = sum(len(history(entry)[0]) > 0 for entry in contents.entries)
+    if not searches or not np.isfinite(contents.best):
+        return []
+    series = rrb.Vertical(
         rrb.TimeSeriesView(name="log10 of the gap to the best known time", origin="convergence/gap"),
         rrb.TimeSeriesView(name="Best objective so far, s", origin="convergence/value"),
-        name="Convergence",
+        name=f"Convergence (choose timeline “{EVALUATION}”)",
     )
+    return [_drawing("Convergence", "convergence_curves", curves_bounds(searches)), series]
 
 
-def _activity(contents: Contents, name: str) -> rrb.Container:
-    used = {use.order for entry in contents.entries for use in entry.uses}
+def _activity(contents: Contents) -> list[Part]:
+    used = {use.order for one in contents.shown for use in one.uses}
     lanes = [
-        rrb.StateTimelineView(name=f"{rate.capitalize()} limit in use, by joint", origin=entity("activity", rate))
+        rrb.StateTimelineView(name=f"{rate.capitalize()} limit used up, by joint", origin=entity("activity", rate))
         for order, rate in enumerate(RATES, start=1)
         if order in used
     ]
-    return rrb.Vertical(*lanes, name=name)
+    if not lanes:
+        return []
+    key = _drawing("Joints", "joints", key_bounds(contents.case.problem.n_joints + 1))
+    return [rrb.Vertical(key, *lanes, row_shares=[1, *[9 / len(lanes)] * len(lanes)], name="Limits in use")]

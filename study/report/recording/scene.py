@@ -2,42 +2,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
 
 from study.problem import Floats
-from study.report.recording.contents import NANOSECOND, Contents, Entry, seconds
+from study.report.recording.contents import NANOSECOND, Contents, Shown, seconds
 from study.report.recording.stream import entity, time_column
-from study.trajectory import Motion
-
-if TYPE_CHECKING:
-    from study.robots import Robot
+from study.robots import Robot, robot_named
 
 SLOW_TO_FAST = np.array(
     [(70, 40, 120), (60, 82, 170), (40, 130, 170), (40, 170, 140), (120, 205, 90), (250, 230, 60)], dtype=float
 )
 """Colours of the tool's speed, dark for standstill and bright for the fastest instant of the case."""
 
-PER_ROW = 5
+FEW_WAYPOINTS = 6
+"""Up to so many waypoints are labelled without pointing at them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Where everything stands, for the camera: the middle of all arms and their extent, m."""
+    """Where the arms stand, for the cameras.
 
-    middle: Floats
-    extent: Floats
+    Attributes
+    ----------
+    size : array of shape (3,), m
+        Extent of one arm over all motions.
+    front, whole : pairs of arrays of shape (3,), m
+        Middle and extent of the first row, which holds the methods of the first look, and of all rows.
+    fastest : float, m/s
+        Highest tool speed of any motion.
+    """
+
+    size: Floats
+    front: tuple[Floats, Floats]
+    whole: tuple[Floats, Floats]
+    fastest: float
 
 
 @dataclass(frozen=True, eq=False)
 class _Arm:
     """One method's arm: times (n,) ns, joint places (n, n_links + 1, 3), tool speeds (n,), tool places at waypoints."""
 
-    entry: Entry
-    duration: float
+    one: Shown
     times: np.ndarray
     chain: Floats
     speeds: Floats
@@ -46,37 +55,36 @@ class _Arm:
 
 def log_scene(stream: rr.RecordingStream, contents: Contents) -> Scene | None:
     """Write an arm per method to `/arms`, set side by side; cases without a robot have no scene."""
-    if contents.case.robot is None or not contents.moving:
-        return None
-    try:
-        from study.robots import robot_named
-    except ImportError:
+    if contents.case.robot is None or not contents.shown:
         return None
     robot = robot_named(contents.case.robot)
-    arms = [_arm(robot, contents, entry, motion) for entry, motion in contents.moving]
+    front = contents.first_look
+    arms = [_arm(robot, contents, one) for one in (*front, *(o for o in contents.shown if o not in front))]
     points = np.concatenate([arm.chain.reshape(-1, 3) for arm in arms])
     low, high = points.min(axis=0), points.max(axis=0)
-    reach = float(np.linalg.norm(high - low))
-    places = _places(len(arms), high - low)
+    places = _places(len(front), len(arms), high - low)
     fastest = max(float(arm.speeds.max()) for arm in arms)
     stream.log("arms", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     for arm, place in zip(arms, places, strict=True):
-        path = entity("arms", arm.entry.label)
+        path = entity("arms", arm.one.label)
         stream.log(path, rr.Transform3D(translation=place), static=True)
-        _log_links(stream, path, arm, 0.02 * reach)
-        _log_path(stream, path, arm, fastest, 0.004 * reach)
-        _log_name(stream, path, arm, low)
-    middle = places.mean(axis=0) + 0.5 * (low + high)
-    return Scene(middle, high - low + np.ptp(places, axis=0))
+        _log_links(stream, path, arm, 0.018 * float(np.linalg.norm(high - low)))
+        _log_path(stream, path, arm, fastest, 0.004 * float(np.linalg.norm(high - low)))
+        name = [[*(0.5 * (low + high))[:2], low[2] - 0.06 * float(np.ptp(points[:, 2]))]]
+        label = rr.Points3D(name, labels=[arm.one.title], show_labels=True, colors=arm.one.color, radii=0.0)
+        stream.log(path + "/name", label, static=True)
+    boxes = [(places[rows] + 0.5 * (low + high), high - low) for rows in (slice(len(front)), slice(None))]
+    first, whole = [(middles.mean(axis=0), np.ptp(middles, axis=0) + size) for middles, size in boxes]
+    return Scene(high - low, first, whole, fastest)
 
 
-def _arm(robot: Robot, contents: Contents, entry: Entry, motion: Motion) -> _Arm:
-    end = np.floor(motion.duration / NANOSECOND)
+def _arm(robot: Robot, contents: Contents, one: Shown) -> _Arm:
+    end = np.floor(one.motion.duration / NANOSECOND)
     times = np.rint(np.linspace(0.0, end, contents.samples)).astype(np.int64)
-    chain = _chain(robot, contents, motion(seconds(times)))
+    chain = _chain(robot, contents, one.motion(seconds(times)))
     waypoints = _chain(robot, contents, contents.case.problem.waypoints)[:, -1]
     velocity = np.gradient(chain[:, -1], seconds(times), axis=0)
-    return _Arm(entry, motion.duration, times, chain, np.linalg.norm(velocity, axis=1), waypoints)
+    return _Arm(one, times, chain, np.linalg.norm(velocity, axis=1), waypoints)
 
 
 def _chain(robot: Robot, contents: Contents, q: Floats) -> Floats:
@@ -84,11 +92,11 @@ def _chain(robot: Robot, contents: Contents, q: Floats) -> Floats:
     return robot.frames(contents.case.robot_configuration(q))[:, :, :3, 3]
 
 
-def _places(count: int, size: Floats) -> Floats:
-    """Where the arms stand: rows of a few, one behind the other, shape (count, 3), m."""
-    columns = min(count, PER_ROW)
-    row, column = np.divmod(np.arange(count), columns)
-    return np.column_stack([-1.25 * size[0] * row, 1.25 * size[1] * column, np.zeros(count)])
+def _places(front: int, count: int, size: Floats) -> Floats:
+    """Where the arms stand: a first row of the chosen ones, rows as wide behind it, shape (count, 3), m."""
+    row, column = np.divmod(np.arange(count), max(front, 1))
+    gap = 0.25 * float(size.max())
+    return np.column_stack([-2.0 * (size[0] + gap) * row, (size[1] + gap) * column, np.zeros(count)])
 
 
 def _log_links(stream: rr.RecordingStream, path: str, arm: _Arm, radius: float) -> None:
@@ -96,18 +104,17 @@ def _log_links(stream: rr.RecordingStream, path: str, arm: _Arm, radius: float) 
     steps = np.diff(arm.chain, axis=1)
     lengths = np.linalg.norm(steps, axis=2)
     kept = lengths.max(axis=0) > 1e-6
-    steps, lengths = steps[:, kept], lengths[0, kept]
-    links = path + "/links"
-    n_times, n_links = steps.shape[:2]
-    shape = rr.Capsules3D.from_fields(
-        lengths=lengths, radii=np.full(n_links, radius), colors=[arm.entry.color] * n_links, fill_mode="solid"
-    )
-    stream.log(links, shape, static=True)
+    starts, steps, lengths = arm.chain[:, :-1][:, kept], steps[:, kept], lengths[:, kept]
+    n_times, n_links = lengths.shape
+    looks = {"radii": np.full(n_links, radius), "colors": [arm.one.color] * n_links, "fill_mode": "solid"}
+    stream.log(path + "/links", rr.Capsules3D.from_fields(**looks), static=True)
     poses = rr.Capsules3D.columns(
-        translations=arm.chain[:, :-1][:, kept].reshape(-1, 3),
-        quaternions=_from_z(steps / lengths[:, None]).reshape(-1, 4),
+        lengths=lengths.ravel(),
+        translations=starts.reshape(-1, 3),
+        quaternions=_from_z(steps / np.maximum(lengths, 1e-9)[..., None]).reshape(-1, 4),
     )
-    stream.send_columns(links, time_column(arm.times), poses.partition([n_links] * n_times))
+    columns = [column for column in poses.partition([n_links] * n_times)]
+    stream.send_columns(path + "/links", time_column(arm.times), columns)
 
 
 def _from_z(directions: Floats) -> Floats:
@@ -122,25 +129,15 @@ def _from_z(directions: Floats) -> Floats:
 def _log_path(stream: rr.RecordingStream, path: str, arm: _Arm, fastest: float, radius: float) -> None:
     tool = arm.chain[:, -1]
     pieces = np.stack([tool[:-1], tool[1:]], axis=1).astype(np.float32)
-    speed = 0.5 * (arm.speeds[:-1] + arm.speeds[1:])
-    stream.log(
-        path + "/tool_path", rr.LineStrips3D(pieces, colors=speed_colors(speed / fastest), radii=radius), static=True
-    )
-    labels = [f"waypoint {k + 1}" for k in range(len(arm.waypoints))]
-    dots = rr.Points3D(arm.waypoints, labels=labels, show_labels=False, radii=2.5 * radius, colors=(240, 240, 240))
+    colors = speed_colors(0.5 * (arm.speeds[:-1] + arm.speeds[1:]) / max(fastest, 1e-12))
+    stream.log(path + "/tool_path", rr.LineStrips3D(pieces, colors=colors, radii=radius), static=True)
+    few = len(arm.waypoints) <= FEW_WAYPOINTS
+    labels = [str(k + 1) for k in range(len(arm.waypoints))]
+    dots = rr.Points3D(arm.waypoints, labels=labels, show_labels=few, radii=2.5 * radius, colors=(240, 240, 240))
     stream.log(path + "/waypoints", dots, static=True)
 
 
-def _log_name(stream: rr.RecordingStream, path: str, arm: _Arm, low: Floats) -> None:
-    text = f"{arm.entry.label}  {arm.duration:.3f} s"
-    verdict = arm.entry.verdict
-    if verdict is None or not verdict.feasible:
-        text += "  infeasible"
-    name = rr.Points3D([[0.0, 0.0, low[2] - 0.1]], labels=[text], show_labels=True, colors=arm.entry.color, radii=0.0)
-    stream.log(path + "/name", name, static=True)
-
-
-def speed_colors(share: Floats) -> np.ndarray:
+def speed_colors(share: Floats | Sequence[float]) -> np.ndarray:
     """Colours (n, 3) for shares of the fastest speed in [0, 1]."""
     places = np.linspace(0.0, 1.0, len(SLOW_TO_FAST))
     channels = [np.interp(share, places, channel) for channel in SLOW_TO_FAST.T]

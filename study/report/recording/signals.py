@@ -9,9 +9,13 @@ from study.experiment.cases import Case
 from study.judge import RATES
 from study.problem import Floats
 from study.report.activity import Use, lane
-from study.report.recording.contents import NANOSECOND, PALETTE, Contents, Entry, sample_times, seconds
+from study.report.recording.contents import NANOSECOND, PALETTE, Contents, Shown, sample_times, seconds
+from study.report.recording.pictures import log_key
 from study.report.recording.stream import LIMIT_COLOR, SIGNALS, entity, time_column
 from study.trajectory import Motion
+
+SEVERAL = (200, 200, 200)
+"""Colour of a stretch of time over which several joints use up the same kind of limit."""
 
 
 def log_signals(stream: rr.RecordingStream, contents: Contents) -> None:
@@ -20,25 +24,26 @@ def log_signals(stream: rr.RecordingStream, contents: Contents) -> None:
         for joint in range(contents.case.problem.n_joints):
             _log_limits(stream, contents, order, joint)
     names = contents.case.problem.joint_names
-    for entry, motion in contents.moving:
-        times = sample_times(motion, contents.samples)
+    for one in contents.shown:
+        times = sample_times(one.motion, contents.samples)
         for order, signal in enumerate(SIGNALS):
-            values = motion(seconds(times), order)
+            values = one.motion(seconds(times), order)
             for joint, name in enumerate(names):
-                path = entity(signal, name, entry.label)
-                stream.log(path, rr.SeriesLines(names=entry.label, colors=entry.color, widths=1.5), static=True)
+                path = entity(signal, name, one.label)
+                stream.log(path, rr.SeriesLines(names=one.label, colors=one.color, widths=1.5), static=True)
                 stream.send_columns(path, time_column(times), rr.Scalars.columns(scalars=values[:, joint]))
-        _log_marks(stream, contents, entry, motion)
+        _log_marks(stream, contents, one)
 
 
 def log_activity(stream: rr.RecordingStream, contents: Contents) -> None:
     """Write one lane per method and kind of limit to `/activity`: the joints that use it up."""
     names = tuple(contents.case.problem.joint_names)
-    for entry, motion in contents.moving:
+    log_key(stream, "joints", [(name, _lane_color(names, name)) for name in names] + [("several", SEVERAL)])
+    for one in contents.shown:
         for order, rate in enumerate(RATES, start=1):
-            changes = lane(entry.uses, order, names)
+            changes = lane(one.uses, order, names)
             texts = [text for _, text in changes]
-            path = entity("activity", rate, entry.label)
+            path = entity("activity", rate, one.label)
             shown = sorted({text for text in texts if text})
             if not shown:
                 continue
@@ -46,7 +51,7 @@ def log_activity(stream: rr.RecordingStream, contents: Contents) -> None:
                 path, rr.StateConfiguration(values=shown, colors=[_lane_color(names, t) for t in shown]), static=True
             )
             whole = np.rint(np.array([t for t, _ in changes]) / NANOSECOND)
-            end = np.floor(motion.duration / NANOSECOND)
+            end = np.floor(one.motion.duration / NANOSECOND)
             times = np.append(np.minimum(whole, end - 1), end)
             stream.send_columns(path, time_column(times), rr.StateChange.columns(state=[*texts, ""]))
 
@@ -73,20 +78,20 @@ def _log_limits(stream: rr.RecordingStream, contents: Contents, order: int, join
     stream.send_columns(path, ends, rr.Scalars.columns(scalars=np.tile(pair, (2, 1))))
 
 
-def _log_marks(stream: rr.RecordingStream, contents: Contents, entry: Entry, motion: Motion) -> None:
+def _log_marks(stream: rr.RecordingStream, contents: Contents, one: Shown) -> None:
     """Put a marker where a limit is used up: at both ends and in the middle of every stretch."""
     for order, signal in enumerate(SIGNALS[1:], start=1):
         for joint, name in enumerate(contents.case.problem.joint_names):
-            uses = [use for use in entry.uses if (use.order, use.joint) == (order, joint)]
+            uses = [use for use in one.uses if (use.order, use.joint) == (order, joint)]
             if not uses:
                 continue
-            times = _mark_times(uses, motion)
-            path = entity(signal, name, entry.label, "saturated")
+            times = _mark_times(uses, one.motion)
+            path = entity(signal, name, one.label, "saturated")
             style = rr.SeriesPoints(
-                names=f"{entry.label} at its limit", colors=entry.color, markers="diamond", marker_sizes=4.0
+                names=f"{one.label} at its limit", colors=one.color, markers="diamond", marker_sizes=4.0
             )
             stream.log(path, style, static=True)
-            values = motion(seconds(times), order)[:, joint]
+            values = one.motion(seconds(times), order)[:, joint]
             stream.send_columns(path, time_column(times), rr.Scalars.columns(scalars=values))
 
 
@@ -98,4 +103,4 @@ def _mark_times(uses: list[Use], motion: Motion) -> np.ndarray:
 
 def _lane_color(names: tuple[str, ...], text: str) -> tuple[int, int, int]:
     """A joint's own colour, or light grey where several joints share the stretch."""
-    return PALETTE[names.index(text) % len(PALETTE)] if text in names else (200, 200, 200)
+    return PALETTE[names.index(text) % len(PALETTE)] if text in names else SEVERAL

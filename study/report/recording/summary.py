@@ -1,4 +1,4 @@
-"""What a recording says in words and bars: the table of verdicts, the durations, convergence and where it comes from."""
+"""What a recording says in words and bars: the table of verdicts, the ladder, convergence and where it comes from."""
 
 from __future__ import annotations
 
@@ -7,83 +7,134 @@ import importlib.metadata
 import numpy as np
 import rerun as rr
 
-from study.report.recording.contents import Contents, Entry
+from study.problem import Floats
+from study.report.ladder import Rung, ladder_of
+from study.report.recording.contents import Contents
+from study.report.recording.pictures import GREY, Bar, Line, log_bars, log_curves
 from study.report.recording.stream import EVALUATION, entity
+from study.report.rows import Entry
+from study.report.wording import DASH, count, percent, seconds
 
 GAP_FLOOR = 1e-6
 """Relative gaps below the judge's tolerance are drawn at it."""
 
 
 def log_summary(stream: rr.RecordingStream, contents: Contents) -> None:
-    """Write the Markdown table to `/summary` and a bar per method to `/durations`."""
+    """Write the Markdown table to `/summary`, the ladder of lost time to `/ladder`, all durations to `/durations`."""
     text = rr.TextDocument(markdown(contents), media_type=rr.MediaType.MARKDOWN)
     stream.log("summary", text, static=True)
-    for place, (entry, motion) in enumerate(contents.moving):
-        bar = rr.BarChart([motion.duration], abscissa=[float(place)], widths=[0.8], color=entry.color)
-        stream.log(entity("durations", entry.label), bar, static=True)
+    log_bars(stream, "ladder", ladder_bars(contents))
+    log_bars(stream, "durations", [Bar(o.label, o.title, o.motion.duration, o.color) for o in contents.shown])
+
+
+def ladder_bars(contents: Contents) -> list[Bar]:
+    """Bars of the ladder of lost time, or of the first look's methods where there are too few rungs."""
+    colors = {one.label: one.color for one in contents.shown}
+    rungs = ladder_of(contents.case, contents.entries, contents.chosen)
+    if not rungs:
+        return [Bar(o.label, o.title, o.motion.duration, o.color) for o in contents.first_look]
+    return [
+        Bar(
+            f"{place} {rung.method}",
+            f"{_rung_name(rung)}  {seconds(rung.seconds)}{'' if rung.feasible else '  infeasible'}",
+            rung.seconds,
+            colors.get(rung.method, GREY),
+        )
+        for place, rung in enumerate(rungs, start=1)
+    ]
+
+
+def _rung_name(rung: Rung) -> str:
+    return rung.method if rung.method.lower().startswith(rung.name.lower()) else f"{rung.name}: {rung.method}"
 
 
 def log_metadata(stream: rr.RecordingStream, contents: Contents) -> None:
     """Write what the recording is of as properties; no clock is read, so the same results give the same values."""
     case = contents.case
     stream.send_recording_name(case.title)
-    stream.send_property(
-        "case",
-        rr.AnyValues(
-            name=case.name,
-            title=case.title,
-            paper=case.paper,
-            curve=case.curve,
-            robot=case.robot or "none",
-            joints=list(case.problem.joint_names),
-            units=list(case.units),
-            waypoints=case.problem.n_waypoints,
-        ),
+    about = rr.AnyValues(
+        name=case.name,
+        title=case.title,
+        paper=case.paper,
+        curve=case.curve,
+        robot=case.robot or "none",
+        joints=list(case.problem.joint_names),
+        units=list(case.units),
+        waypoints=case.problem.n_waypoints,
     )
-    stream.send_property(
-        "study",
-        rr.AnyValues(
-            version=importlib.metadata.version("time-optimal-study"),
-            samples=contents.samples,
-            methods=[entry.label for entry in contents.entries],
-            seeds=[entry.result.cell.settings.seed if entry.result else -1 for entry in contents.entries],
-        ),
+    stream.send_property("case", about)
+    runs = [one.entry.row.representative for one in contents.shown]
+    how = rr.AnyValues(
+        version=importlib.metadata.version("time-optimal-study"),
+        samples=contents.samples,
+        methods=[one.label for one in contents.shown],
+        seeds=[run.cell.settings.seed if run else 0 for run in runs],
     )
+    stream.send_property("study", how)
 
 
 def log_convergence(stream: rr.RecordingStream, contents: Contents) -> None:
-    """Write incumbent values over evaluations to `/convergence/value`, and log10 of their gaps to `/convergence/gap`."""
+    """Write incumbent values over evaluations to `/convergence/value`, log10 of their gaps to `/convergence/gap`.
+
+    Both stand on the timeline `evaluation`; the same gaps are drawn to `/convergence_curves` for every timeline.
+    """
+    colors = {one.label: one.color for one in contents.shown}
+    lines: list[Line] = []
     for entry in contents.entries:
-        history = np.empty((0, 2)) if entry.result is None else np.asarray(entry.result.history, dtype=float)
-        counts, values = history[np.isfinite(history[:, 1])].T
+        counts, values = history(entry)
         if not len(values):
             continue
-        style = rr.SeriesLines(names=entry.label, colors=entry.color, widths=1.5)
-        index = [rr.TimeColumn(EVALUATION, sequence=counts.astype(np.int64))]
-        series = {"value": values}
+        color = colors.get(entry.label, GREY)
+        _log_series(stream, entity("convergence", "value", entry.label), (counts, values), color)
         if np.isfinite(contents.best):
-            series["gap"] = log_gaps(values, contents.best)
-        for kind, column in series.items():
-            path = entity("convergence", kind, entry.label)
-            stream.log(path, style, static=True)
-            stream.send_columns(path, index, rr.Scalars.columns(scalars=column))
+            gaps = log_gaps(values, contents.best)
+            _log_series(stream, entity("convergence", "gap", entry.label), (counts, gaps), color)
+            lines.append(Line(entry.label, np.column_stack([np.log10(counts), gaps]), color))
+    if lines:
+        log_curves(stream, "convergence_curves", [*lines, *_references(contents, lines)])
 
 
-def log_gaps(values: np.ndarray, best: float) -> np.ndarray:
+def history(entry: Entry) -> tuple[Floats, Floats]:
+    """Evaluations and finite incumbent values of the representative run, each of shape (n_records,)."""
+    run = entry.row.representative
+    records = np.empty((0, 2)) if run is None else np.asarray(run.history, dtype=float).reshape(-1, 2)
+    counts, values = records[np.isfinite(records[:, 1]) & (records[:, 0] > 0)].T
+    return counts, values
+
+
+def log_gaps(values: Floats, best: float) -> Floats:
     """log10 of the relative distance to the best known duration, not below the judge's tolerance."""
     return np.log10(np.maximum(values / best - 1.0, GAP_FLOOR))
+
+
+def _log_series(
+    stream: rr.RecordingStream, path: str, series: tuple[Floats, Floats], color: tuple[int, int, int]
+) -> None:
+    stream.log(path, rr.SeriesLines(colors=color, widths=1.5), static=True)
+    index = [rr.TimeColumn(EVALUATION, sequence=series[0].astype(np.int64))]
+    stream.send_columns(path, index, rr.Scalars.columns(scalars=series[1]))
+
+
+def _references(contents: Contents, lines: list[Line]) -> list[Line]:
+    """Level lines for feasible methods of the first look that count no evaluations."""
+    span = np.array([min(line.points[0, 0] for line in lines), max(line.points[-1, 0] for line in lines)])
+    levels = [one for one in contents.first_look if one.feasible and not len(history(one.entry)[0])]
+    return [
+        Line(one.label, np.column_stack([span, log_gaps(np.full(2, one.motion.duration), contents.best)]), one.color)
+        for one in levels
+    ]
 
 
 def markdown(contents: Contents) -> str:
     """Summarise the case: what it asks, who wins, and every method's verdict."""
     case, problem = contents.case, contents.case.problem
     lines = [
-        f"# {case.title}",
+        f"# {plain(case.title)}",
         f"{problem.n_waypoints} waypoints, {problem.n_joints} joints. {_winner(contents)}",
         "",
-        "| Method | Verdict | Time, s | Gap | Seeds | Evaluations |",
+        "| Method | Verdict | Time | Gap | Feasible runs | Evaluations |",
         "|:--|:--|--:|--:|--:|--:|",
-        *(_row(entry, contents.best) for entry in contents.entries),
+        *(_row(entry) for entry in contents.entries),
         "",
         *_remarks(contents),
     ]
@@ -91,30 +142,28 @@ def markdown(contents: Contents) -> str:
 
 
 def _winner(contents: Contents) -> str:
-    feasible = [entry for entry in contents.entries if entry.rank[0] == 0]
+    feasible = [entry for entry in contents.entries if entry.row.feasible]
     if not feasible:
         return "**No method is feasible.**"
-    return f"**Fastest feasible: {plain(feasible[0].label)}, {feasible[0].rank[1]:.5f} s.**"
+    return f"**Fastest feasible: {plain(feasible[0].label)}, {seconds(feasible[0].duration)}.**"
 
 
-def _row(entry: Entry, best: float) -> str:
-    verdict = entry.verdict
-    word = "no motion" if verdict is None else "feasible" if verdict.feasible else "**infeasible**"
-    time = "" if verdict is None else f"{verdict.duration:.5f}"
-    gap = f"{100 * (verdict.duration / best - 1):+.3f} %" if verdict is not None and verdict.feasible else ""
-    seeds = f"{entry.feasible} of {entry.seeds}" if entry.result is not None and entry.seeds > 1 else ""
-    evaluations = f"{entry.result.evaluations:,}" if entry.result is not None and entry.result.evaluations else ""
-    return f"| {plain(entry.label)} | {word} | {time} | {gap} | {seeds} | {evaluations} |"
+def _row(entry: Entry) -> str:
+    row = entry.row
+    word = "feasible" if row.feasible else "**infeasible**" if entry.motion is not None else "no motion"
+    runs = f"{row.feasible_runs} of {row.runs}" if row.kind == "search" else ""
+    evaluations = count(row.evaluations) if row.evaluations else ""
+    gap = percent(row.gap) if row.gap is not None else ""
+    time = seconds(entry.duration).replace(DASH, "")
+    return f"| {plain(entry.label)} | {word} | {time} | {gap} | {runs} | {evaluations} |"
 
 
 def _remarks(contents: Contents) -> list[str]:
-    remarks = [entry for entry in contents.entries if entry.remark and entry.rank[0] > 0]
-    lines = ["## Why not feasible", *(f"- **{plain(e.label)}**: {plain(e.remark)}" for e in remarks)] if remarks else []
-    notes = ["## Notes", *(f"- {plain(note)}" for note in contents.case.notes)] if contents.case.notes else []
-    seeds = (
-        ["", "Of several seeds the run of median rank is shown."] if any(e.seeds > 1 for e in contents.entries) else []
-    )
-    return [*lines, *notes, *seeds]
+    reasons = [f"- **{plain(e.label)}**: {plain(e.row.reason)}" for e in contents.entries if e.row.reason]
+    notes = [f"- {plain(note)}" for note in contents.case.notes]
+    lines = ["Time is the median of the feasible runs; the run of median time is the one that moves.", ""]
+    lines += ["## Why not feasible", *reasons, ""] if reasons else []
+    return lines + (["## Notes", *notes] if notes else [])
 
 
 def plain(text: str) -> str:

@@ -130,15 +130,19 @@ def show_tab(client: ViewerClient, name: str) -> None:
         If there is no such tab.
     """
     blueprint: dict[str, Any] = client.get_blueprint("recording").blueprint
-    containers = {
-        path: parts["ContainerBlueprint"] for path, parts in blueprint.items() if "ContainerBlueprint" in parts
-    }
-    tabs = {str(parts.get("display_name")): path for path, parts in containers.items()}
-    root = containers["/container/" + blueprint["/viewport"]["ViewportBlueprint"]["root_container"]]
+    root = blueprint["/container/" + blueprint["/viewport"]["ViewportBlueprint"]["root_container"]][
+        "ContainerBlueprint"
+    ]
+    tabs = {_display_name(blueprint["/" + part]): part for part in root["contents"]}
     if name not in tabs:
-        raise unknown("tab", name, tabs.keys() - {"None"})
-    root["active_tab"] = tabs[name].removeprefix("/")
+        raise unknown("tab", name, tabs)
+    root["active_tab"] = tabs[name]
     client.set_blueprint(blueprint, "recording")
+
+
+def _display_name(part: dict[str, dict[str, Any]]) -> str:
+    """Name of a view or container in a blueprint, where it has one."""
+    return next((str(fields["display_name"]) for fields in part.values() if "display_name" in fields), "")
 
 
 @contextmanager

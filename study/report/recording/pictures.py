@@ -1,0 +1,139 @@
+"""Flat drawings that do not depend on time: bars of durations and curves of convergence, with their own axes.
+
+The viewer draws a time series only on the timeline that is active, and its bar charts cannot name their bars; what is
+to be seen at the first look is therefore drawn with lines and labels. One unit of a drawing is about one pixel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import rerun as rr
+
+from study.problem import Floats
+from study.report.recording.stream import entity
+
+Color = tuple[int, int, int]
+WHITE: Color = (255, 255, 255)
+GREY: Color = (150, 150, 150)
+FAINT: Color = (48, 48, 48)
+BAR_WIDTH, BAR_PITCH = 700.0, 36.0
+PLOT = (1300.0, 640.0)
+KEY_PITCH = 130.0
+LETTER = 6.4
+LINE = 22.0
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A bar to draw: its place in an entity path, its text, its length in s, and its colour."""
+
+    name: str
+    text: str
+    seconds: float
+    color: Color
+
+
+def log_bars(stream: rr.RecordingStream, where: str, bars: Sequence[Bar]) -> None:
+    """Draw labelled bars below one another, all from zero."""
+    longest = max((bar.seconds for bar in bars), default=1.0)
+    for place, bar in enumerate(bars):
+        end, y = BAR_WIDTH * bar.seconds / longest, BAR_PITCH * place
+        path = entity(where, bar.name)
+        radius = 0.42 * BAR_PITCH
+        strip = rr.LineStrips2D([[[radius, y], [max(end - radius, radius + 1), y]]], colors=bar.color, radii=radius)
+        stream.log(path, strip, static=True)
+        _log_text(stream, path + "/text", (16.0, y), bar.text, WHITE)
+
+
+def bars_bounds(count: int) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Ranges of x and y that a drawing of so many bars fills."""
+    return (-10.0, BAR_WIDTH + 10.0), (-BAR_PITCH, BAR_PITCH * count)
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A curve to draw: its name, its points (n, 2) as log10 of evaluations and of gap, and its colour."""
+
+    name: str
+    points: Floats
+    color: Color
+
+
+def log_curves(stream: rr.RecordingStream, where: str, lines: Sequence[Line]) -> None:
+    """Draw curves over two logarithmic axes, each named on the right."""
+    low = np.min([line.points.min(axis=0) for line in lines], axis=0)
+    low[1] = np.floor(low[1])
+    high = np.maximum(np.max([line.points.max(axis=0) for line in lines], axis=0), low + 1.0)
+    _log_axes(stream, where, low, high)
+    corners = [_stairs(_on_paper(line.points, low, high)) for line in lines]
+    heights = _spread(np.array([points[-1, 1] for points in corners]))
+    for line, points, height in zip(lines, corners, heights, strict=True):
+        path = entity(where, line.name)
+        stream.log(path, rr.LineStrips2D([points], colors=line.color, radii=1.2), static=True)
+        leader = [points[-1], [PLOT[0], points[-1, 1]], [PLOT[0] + 30.0, height]]
+        faded = [channel // 2 for channel in line.color]
+        stream.log(path + "/leader", rr.LineStrips2D([leader], colors=faded, radii=0.5), static=True)
+        _log_text(stream, path + "/name", (PLOT[0] + 36.0, height), line.name, line.color)
+
+
+def curves_bounds(lines: int) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Ranges of x and y that a drawing of so many curves fills."""
+    return (-90.0, PLOT[0] + 260.0), (-50.0, max(PLOT[1], LINE * lines) + 70.0)
+
+
+def log_key(stream: rr.RecordingStream, where: str, names: Sequence[tuple[str, Color]]) -> None:
+    """Draw a row of coloured dots with what they stand for."""
+    for place, (name, color) in enumerate(names):
+        path, x = entity(where, name), KEY_PITCH * place
+        stream.log(path, rr.Points2D([[x, 0.0]], colors=color, radii=7.0), static=True)
+        _log_text(stream, path + "/name", (x + 14.0, 0.0), name, WHITE)
+
+
+def key_bounds(count: int) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Ranges of x and y that a row of so many coloured dots fills."""
+    return (-20.0, max(KEY_PITCH * count, PLOT[0])), (-15.0, 15.0)
+
+
+def _on_paper(points: Floats, low: Floats, high: Floats) -> Floats:
+    share = (points - low) / (high - low)
+    return np.column_stack([share[:, 0] * PLOT[0], (1.0 - share[:, 1]) * PLOT[1]])
+
+
+def _stairs(points: Floats) -> Floats:
+    """Keep every value until the next one comes."""
+    steps = np.repeat(points, 2, axis=0)
+    return np.column_stack([steps[1:, 0], steps[:-1, 1]])
+
+
+def _spread(heights: Floats) -> Floats:
+    """Move label heights apart to at least a line, in their order, and up again from the foot of the drawing."""
+    order = np.argsort(heights, kind="stable")
+    slots = LINE * np.arange(len(heights))
+    down = np.maximum.accumulate(heights[order] - slots)
+    foot = max(PLOT[1], float(slots[-1])) - slots[-1]
+    placed = np.empty(len(heights))
+    placed[order] = np.minimum(down, foot) + slots
+    return placed
+
+
+def _log_axes(stream: rr.RecordingStream, where: str, low: Floats, high: Floats) -> None:
+    """Draw a grid with a line for every power of ten."""
+    decades = [np.arange(np.ceil(low[k]), np.floor(high[k]) + 1) for k in range(2)]
+    across = [_on_paper(np.array([[low[0], y], [high[0], y]]), low, high) for y in decades[1]]
+    up = [_on_paper(np.array([[x, low[1]], [x, high[1]]]), low, high) for x in decades[0]]
+    stream.log(entity(where, "_axes"), rr.LineStrips2D([*across, *up], colors=FAINT, radii=0.6), static=True)
+    spots = [(-60.0, line[0, 1]) for line in across] + [(line[0, 0] - 20.0, PLOT[1] + 16.0) for line in up]
+    texts = [f"{100 * 10.0**y:.6g} %" for y in decades[1]] + [f"{10**x:,.0f}" for x in decades[0]]
+    for k, (spot, text) in enumerate(zip(spots, texts, strict=True)):
+        _log_text(stream, entity(where, "_axes", str(k)), spot, text, GREY)
+    _log_text(stream, entity(where, "_axes", "x"), (0.5 * PLOT[0] - 40.0, PLOT[1] + 44.0), "evaluations", GREY)
+    _log_text(stream, entity(where, "_axes", "y"), (-60.0, -30.0), "gap to the best known time", GREY)
+
+
+def _log_text(stream: rr.RecordingStream, path: str, left: tuple[float, float], text: str, color: Color) -> None:
+    """Write text that begins at a place; the viewer centres labels below a point, so the width is estimated."""
+    spot = [left[0] + 0.5 * LETTER * len(text), left[1] - 0.5 * LINE]
+    stream.log(path, rr.Points2D([spot], labels=[text], show_labels=True, colors=color, radii=0.0), static=True)
