@@ -112,7 +112,7 @@ def _closed(motion: Motion, times: Floats, edges: np.ndarray, wanted: tuple[int,
     """Move both ends of every run out to where the threshold is crossed, shape (n_runs, 2), s."""
     order, joint, threshold = wanted
     inside = times[edges].ravel()
-    outside = times[np.clip(edges + [-1, 1], 0, len(times) - 1)].ravel()
+    outside = times[np.clip(edges + np.array([-1, 1]), 0, len(times) - 1)].ravel()
     for _ in range(40):
         middle = 0.5 * (inside + outside)
         above = np.abs(motion(middle, order)[:, joint]) >= threshold

@@ -106,15 +106,16 @@ def _log_links(stream: rr.RecordingStream, path: str, arm: _Arm, radius: float) 
     kept = lengths.max(axis=0) > 1e-6
     starts, steps, lengths = arm.chain[:, :-1][:, kept], steps[:, kept], lengths[:, kept]
     n_times, n_links = lengths.shape
-    looks = {"radii": np.full(n_links, radius), "colors": [arm.one.color] * n_links, "fill_mode": "solid"}
-    stream.log(path + "/links", rr.Capsules3D.from_fields(**looks), static=True)
+    shape = rr.Capsules3D.from_fields(
+        radii=np.full(n_links, radius), colors=[arm.one.color] * n_links, fill_mode="solid"
+    )
+    stream.log(path + "/links", shape, static=True)
     poses = rr.Capsules3D.columns(
         lengths=lengths.ravel(),
         translations=starts.reshape(-1, 3),
         quaternions=_from_z(steps / np.maximum(lengths, 1e-9)[..., None]).reshape(-1, 4),
     )
-    columns = [column for column in poses.partition([n_links] * n_times)]
-    stream.send_columns(path + "/links", time_column(arm.times), columns)
+    stream.send_columns(path + "/links", time_column(arm.times), poses.partition([n_links] * n_times))
 
 
 def _from_z(directions: Floats) -> Floats:
