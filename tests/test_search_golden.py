@@ -61,6 +61,50 @@ def test_gold_sa_equals_its_transcription_candidate_by_candidate():
     assert candidates(GoldSA(), generations=40) == pytest.approx(transcribed_gold_sa(40, 0), abs=1e-12)
 
 
+def transcribed_golds_pso(generations, seed, lam, c1, c2):
+    """GoldS-PSO with all three novelties, one candidate and one coordinate at a time, fed with the same random numbers."""
+    rng = np.random.default_rng(seed)
+    fractions = [rng.random(3)]
+    for _ in range(11):
+        k = fractions[-1]
+        fractions.append((k + 0.2 - 0.5 / (2 * np.pi) * np.sin(2 * np.pi * k)) % 1)
+    x = BOX.at(np.array(fractions))
+    best, best_values = x.copy(), bowl(x)
+    leader, leader_value = x[best_values.argmin()].copy(), best_values.min()
+    sections = (-np.pi, np.pi, -np.pi + (1 - TAU) * 2 * np.pi, -np.pi + TAU * 2 * np.pi)
+    seen = [x.copy()]
+    for n in range(1, generations):
+        w = 0.4 + 0.5 * (1 + np.tanh(2 - 4 * n / generations)) / 2
+        r1, r2 = 2 * np.pi * rng.random(12), np.pi * rng.random(12)
+        for i, j in np.ndindex(*x.shape):
+            own = c1 * abs(np.sin(r1[i])) * (best[i, j] - x[i, j])
+            pull = c2 * r2[i] * np.sin(r1[i]) * abs(sections[2] * leader[j] - sections[3] * x[i, j])
+            x[i, j] = min(max(lam * (w * x[i, j] + own - pull), BOX.lower[j]), BOX.upper[j])
+        seen.append(x.copy())
+        for i in range(12):
+            value = bowl(x[i : i + 1])[0]
+            sections = golden_step(*sections, value < leader_value)
+            if value < leader_value:
+                leader, leader_value = x[i].copy(), value
+            if value < best_values[i]:
+                best[i], best_values[i] = x[i], value
+    return np.array(seen)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_golds_pso_equals_its_transcription_candidate_by_candidate(seed):
+    """Short enough that the golden section does not collapse (6 x 12 steps)."""
+    ours = candidates(GoldSPSO(cognitive=1.3, social=1.7, acceleration=0.8), generations=6, seed=seed)
+    assert ours == pytest.approx(transcribed_golds_pso(6, seed, 0.8, 1.3, 1.7), abs=1e-12)
+
+
+def test_each_evaluation_is_compared_with_the_best_before_it():
+    """Of 3, 4, 2 after a best of 5 the first and the last are new bests; 4 is not, though it beats 5."""
+    start = Sections.of(-np.pi, np.pi)
+    expected = start.stepped(True).stepped(False).stepped(True)
+    assert start.after(np.array([3.0, 4.0, 2.0]), 5.0, np.random.default_rng(0)) == expected
+
+
 def test_golden_sections_shrink_by_the_golden_ratio():
     sections = Sections.of(-np.pi, np.pi)
     for better in (True, False, False, True, True):

@@ -152,6 +152,17 @@ def test_dynamic_adaptive_start_of_eq_15():
     assert np.ptp((spread.candidates - BOX.lower) / BOX.width, axis=1).min() > 0.01
 
 
+def test_asynchronous_factors_trade_places(monkeypatch):
+    seen = []
+    monkeypatch.setattr("study.search.chaotic_spso.flown", lambda state, rng, weights, flight: seen.append(weights))
+    for state in states(ChaoticSPSO(), 10):
+        ChaoticSPSO().ask(state, np.random.default_rng(0))
+    w, c1, c2 = np.transpose(seen)
+    assert w == pytest.approx(np.linspace(0.9, 0.4, 11))
+    assert c1 == pytest.approx(np.linspace(2.5, 0.5, 11))
+    assert c2 == pytest.approx(np.linspace(0.5, 2.5, 11))
+
+
 def test_printed_inertia_vanishes_and_then_jumps():
     search, rng = ChaoticSPSO(reading="as-printed"), np.random.default_rng(0)
     w = np.array([search.printed_inertia(t, 100, rng) for t in range(101)])
