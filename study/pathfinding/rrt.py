@@ -7,7 +7,7 @@ PUMA560 paper, Sections 3.1 and 4; LaValle 1998 for the tree, Kuffner and LaVall
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,24 +16,25 @@ from study.pathfinding.world import World
 from study.problem import Floats
 
 
-@dataclass
 class _Tree:
-    """Nodes with their parents; the root is its own parent."""
+    """Nodes in one growing array, with their parents; the root is its own parent."""
 
-    root: Floats
-    nodes: list[Floats] = field(default_factory=list)
-    parents: list[int] = field(default_factory=list)
+    def __init__(self, root: Floats, capacity: int) -> None:
+        self._nodes = np.empty((capacity + 1, 3))
+        self._nodes[0] = root
+        self.parents = [0]
 
-    def __post_init__(self) -> None:
-        self.nodes, self.parents = [self.root], [0]
+    @property
+    def nodes(self) -> Floats:
+        return self._nodes[: len(self.parents)]
 
     def nearest(self, point: Floats) -> int:
-        return int(((np.array(self.nodes) - point) ** 2).sum(axis=1).argmin())
+        return int(((self.nodes - point) ** 2).sum(axis=1).argmin())
 
     def add(self, node: Floats, parent: int) -> int:
-        self.nodes.append(node)
+        self._nodes[len(self.parents)] = node
         self.parents.append(parent)
-        return len(self.nodes) - 1
+        return len(self.parents) - 1
 
     def path_to_root(self, index: int) -> list[Floats]:
         path = [self.nodes[index]]
@@ -54,15 +55,15 @@ class RRT:
     goal_bias : float
         Share of samples taken at the goal; 0 is the plain tree of the paper.
     max_nodes : int
-        Give up after so many samples.
+        Give up after a tree has so many nodes, or after ten times as many samples.
     """
 
     step: float = 50.0
-    goal_bias: float = 0.05
-    max_nodes: int = 20_000
+    goal_bias: float = 0.0
+    max_nodes: int = 5_000
 
     def path(self, world: World, start: Floats, goal: Floats, rng: np.random.Generator) -> Floats:
-        """Grow one tree from the start until the goal can be reached by a free segment no longer than a step.
+        """Grow one tree from the start until a free straight segment joins its newest node to the goal.
 
         Parameters
         ----------
@@ -80,19 +81,23 @@ class RRT:
             If an end lies in an obstacle or no path was found.
         """
         _check_ends(world, start, goal)
-        tree = _Tree(np.asarray(start, dtype=float))
-        for _ in range(self.max_nodes):
+        tree = _Tree(start, self.max_nodes)
+        for _ in range(10 * self.max_nodes):
             sample = goal if rng.random() < self.goal_bias else rng.uniform(world.lower, world.upper)
             index = self._extend(world, tree, sample)
-            if index is not None and _reaches(world, tree.nodes[index], goal, self.step):
+            if index is not None and not world.hits(tree.nodes[index][None], goal[None])[0]:
                 return np.array([*reversed(tree.path_to_root(index)), goal])
-        raise StudyError(f"RRT found no path in {self.max_nodes} samples; raise max_nodes or free the way")
+            if len(tree.parents) > self.max_nodes:
+                break
+        raise StudyError(f"RRT found no path with {len(tree.parents)} nodes; raise max_nodes or free the way")
 
     def connect(self, world: World, start: Floats, goal: Floats, rng: np.random.Generator) -> Floats:
         """Grow trees from both ends, each greedily towards the other's newest node; same contract as `path`."""
         _check_ends(world, start, goal)
-        trees = [_Tree(np.asarray(start, dtype=float)), _Tree(np.asarray(goal, dtype=float))]
-        for turn in range(self.max_nodes):
+        trees = [_Tree(start, self.max_nodes), _Tree(goal, self.max_nodes)]
+        for turn in range(10 * self.max_nodes):
+            if max(len(tree.parents) for tree in trees) >= self.max_nodes:
+                break
             ours, theirs = trees[turn % 2], trees[1 - turn % 2]
             index = self._extend(world, ours, rng.uniform(world.lower, world.upper))
             if index is None:
@@ -102,7 +107,7 @@ class RRT:
                 halves = [ours.path_to_root(index)[::-1], theirs.path_to_root(meeting)[1:]]
                 path = np.array(halves[0] + halves[1])
                 return path if turn % 2 == 0 else path[::-1]
-        raise StudyError(f"RRT-Connect found no path in {self.max_nodes} samples; raise max_nodes or free the way")
+        raise StudyError(f"RRT-Connect found no path with {self.max_nodes} nodes; raise max_nodes or free the way")
 
     def _extend(self, world: World, tree: _Tree, target: Floats) -> int | None:
         near = tree.nearest(target)
@@ -116,14 +121,10 @@ class RRT:
         return tree.add(node, near)
 
     def _reach(self, world: World, tree: _Tree, target: Floats) -> int | None:
-        while (index := self._extend(world, tree, target)) is not None:
+        while len(tree.parents) <= self.max_nodes and (index := self._extend(world, tree, target)) is not None:
             if np.array_equal(tree.nodes[index], target):
                 return index
         return None
-
-
-def _reaches(world: World, node: Floats, goal: Floats, step: float) -> bool:
-    return bool(np.linalg.norm(goal - node) <= step and not world.hits(node[None], goal[None])[0])
 
 
 def _check_ends(world: World, start: Floats, goal: Floats) -> None:

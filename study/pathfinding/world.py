@@ -103,11 +103,11 @@ def arm_clearance(world: World, links: Floats, radius: float) -> Floats:
     return world.clearance(start, stop).reshape(n_times, n_points - 1).min(axis=1) - radius
 
 
-def random_world(rng: np.random.Generator, n_obstacles: int = 12, side: float = 1000.0) -> World:
-    """Boxes of varying size in a cube, leaving two opposite corners free.
+def random_world(rng: np.random.Generator, n_obstacles: int = 10, side: float = 1000.0) -> World:
+    """Boxes of varying size in a cube; two opposite corners are free, the diagonal between them is not.
 
-    The PUMA560 paper's cube is 1000 on a side with start and goal at opposite corners; it does not print its
-    obstacles, so these are ours, drawn from a seed.
+    The PUMA560 paper's cube is 1000 on a side with start and goal at opposite corners and a path that has to go round
+    obstacles several times; it does not print them, so these are ours, drawn from a seed, every other one on the diagonal.
 
     Parameters
     ----------
@@ -122,7 +122,8 @@ def random_world(rng: np.random.Generator, n_obstacles: int = 12, side: float = 
     boxes: list[Floats] = []
     while len(boxes) < n_obstacles:
         size = rng.uniform(0.1, 0.3, 3) * side
-        corner = rng.uniform(0.0, side - size)
+        centre = rng.uniform(0.15, 0.85) if len(boxes) % 2 == 0 else rng.uniform(size=3)
+        corner = np.clip(centre * side - size / 2, 0.0, side - size)
         box = np.stack([corner, corner + size])
         distances = [np.linalg.norm(np.clip(p, box[0], box[1]) - p) for p in (np.zeros(3), np.full(3, side))]
         if min(distances) > 0.1 * side:
