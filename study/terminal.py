@@ -35,7 +35,7 @@ def progress(console: Console) -> Progress:
 def rows_table(case: Case, rows: Iterable[Row]) -> Table:
     """Table of one case: every method, feasible ones first, with the reason where one is infeasible."""
     table = Table(title=f"{case.name}: {case.title}", title_justify="left", header_style="bold")
-    table.add_column("method", overflow="fold")
+    table.add_column("method", no_wrap=True)
     for name in ("duration (s)", "gap", "feasible", "worst ratio", "evaluations", "wall (s)"):
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("reason", overflow="fold", style="dim")
@@ -89,7 +89,12 @@ def cases_table(cases: Iterable[Case]) -> Table:
     """Table of cases; those of the default run are marked."""
     table = Table(title="Cases", title_justify="left", header_style="bold")
     for name in ("name", "default", "what", "waypoints", "joints", "curve", "paper's planner"):
-        table.add_column(name, overflow="fold", justify="right" if name in ("waypoints", "joints") else "left")
+        table.add_column(
+            name,
+            overflow="fold",
+            justify="right" if name in ("waypoints", "joints") else "left",
+            no_wrap=name == "name",
+        )
     for case in cases:
         size = str(case.problem.n_waypoints), str(case.problem.n_joints)
         table.add_row(case.name, "yes" if case.default else "", case.title, *size, case.curve, case.planner)
@@ -100,7 +105,7 @@ def planners_table(entries: Sequence[tuple[str, Planner | str]], defaults: Itera
     """Table of planners; one that cannot be loaded shows the reason."""
     table = Table(title="Planners", title_justify="left", header_style="bold")
     for name in ("name", "default", "kind", "motion"):
-        table.add_column(name, overflow="fold")
+        table.add_column(name, overflow="fold", no_wrap=name == "name")
     taken = set(defaults)
     for name, planner in entries:
         default = "yes" if name in taken else ""

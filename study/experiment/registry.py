@@ -57,7 +57,7 @@ def _load(name: str, path: tuple[str, ...]) -> Planner:
     entry = _entry(name, path)
     try:
         found = entry.load()
-        planner = found() if isinstance(found, type) or not hasattr(found, "plan") else found
+        planner = found() if isinstance(found, type) or (callable(found) and not hasattr(found, "plan")) else found
     except ModuleNotFoundError as error:
         raise StudyError(
             f"planner {name!r} needs the Python package {error.name!r}, which is not installed; install it with pip"

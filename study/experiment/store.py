@@ -102,8 +102,7 @@ class Store:
                     f"BEGIN; {SCHEMA} PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION}; COMMIT;"
                 )
             else:
-                connection.execute("BEGIN IMMEDIATE")  # a read-only file shows here, before any work is done
-                connection.execute("ROLLBACK")
+                connection.execute("DELETE FROM lineup WHERE 0")  # a read-only file shows here, before any work is done
             return connection
 
     def key(self, cell: Cell) -> str:

@@ -1,0 +1,115 @@
+import pytest
+
+from study.errors import StudyError
+from study.experiment.lineup import (
+    HEADLINE_SEARCHES,
+    Budget,
+    Spec,
+    default_lineup,
+    full_lineup,
+    make_cells,
+    parse_spec,
+    parse_specs,
+)
+from study.experiment.registry import planner_named, planner_names, planner_version
+
+BROKEN = {"stub-missing", "stub-broken", "stub-number"}
+
+
+def test_every_installed_planner_loads():
+    assert {"golds-pso", "random-search", "ruckig-stops"} <= set(planner_names())
+    for name in planner_names():
+        assert callable(planner_named(name).plan)
+        assert planner_version(name).startswith("time-optimal-study ")
+
+
+def test_a_strangers_planner_is_found_as_object_class_or_factory(stubs):
+    assert planner_version("stub-steady") == "stub-planners 1.0"
+    for name in ("stub-steady", "stub-factory", "stub-seeded"):
+        assert callable(planner_named(name).plan)
+
+
+def test_a_planner_is_loaded_once(stubs):
+    assert planner_named("stub-steady") is planner_named("stub-steady")
+
+
+def test_stubs_are_gone_without_the_fixture():
+    assert not [name for name in planner_names() if name.startswith("stub-")]
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("gold-pso", "no planner 'gold-pso'; did you mean 'golds-pso'? known: "),
+        ("stub-missing", "needs the Python package 'a_package_that_nobody_has', which is not installed"),
+        ("stub-broken", "could not be loaded from 'stub_planners:NO_SUCH_THING': AttributeError"),
+        ("stub-number", "is not a planner: it has no plan, no stochastic, no segment_times"),
+    ],
+)
+def test_what_is_wrong_with_a_planner_is_one_sentence(stubs, name, sentence):
+    with pytest.raises(StudyError) as error:
+        planner_named(name)
+    assert sentence in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_specs_attach_options_to_the_name_before_them():
+    expected = (Spec("golds-pso", "scaled", "shared"), Spec("pso"), Spec("smwoa", None, "per-joint"))
+    assert parse_specs("golds-pso:scaled,shared, pso,smwoa:per-joint") == expected
+    assert parse_specs("pso,pso") == (Spec("pso"),)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("pso:fast", "'fast'"),
+        ("pso:scaled,penalty", "two kinds of formulation: scaled and penalty"),
+        ("nothing-such", "no planner 'nothing-such'"),
+    ],
+)
+def test_wrong_specs_say_what_is_wrong(text, sentence):
+    with pytest.raises(StudyError, match=sentence):
+        parse_spec(text)
+
+
+def test_no_planners_at_all_is_an_error():
+    with pytest.raises(StudyError, match="no planners to run"):
+        parse_specs(" , ")
+
+
+def test_default_lineup_has_each_headline_search_twice_and_each_deterministic_planner_once():
+    lineup = default_lineup()
+    for name in set(HEADLINE_SEARCHES) & set(planner_names()):
+        assert [spec for spec in lineup if spec.planner == name] == [Spec(name), Spec(name, "scaled", "shared")]
+    deterministic = [name for name in planner_names() if not planner_named(name).stochastic]
+    assert [spec.planner for spec in lineup if spec.planner not in HEADLINE_SEARCHES] == deterministic
+    assert set(lineup) < set(full_lineup())
+    assert {spec.planner for spec in full_lineup()} == set(planner_names())
+
+
+def test_cells_carry_the_papers_settings_and_a_label_for_what_differs(tiny_case):
+    cells = make_cells([tiny_case], parse_specs("pso,pso:scaled,pso:scaled,shared,ruckig-stops"), Budget(2, 500))
+    labels = ["pso"] * 2 + ["pso:scaled"] * 2 + ["pso:scaled,shared"] * 2 + ["ruckig-stops"]
+    assert [cell.label for cell in cells] == labels
+    assert [cell.settings.seed for cell in cells] == [0, 1, 0, 1, 0, 1, 0]
+    assert {cell.settings.evaluations for cell in cells[:6]} == {500}
+    assert {cell.settings.population for cell in cells[:6]} == {tiny_case.settings.population}
+    papers = make_cells([tiny_case], [Spec("pso")], Budget(1, None))[0].settings
+    assert papers == make_cells([tiny_case], parse_specs("pso:penalty,per-joint"), Budget(1, None))[0].settings
+    assert papers.evaluations == tiny_case.settings.evaluations
+
+
+def test_cells_that_come_twice_are_kept_once(tiny_case):
+    once = make_cells([tiny_case], parse_specs("pso"), Budget(3))
+    assert make_cells([tiny_case], parse_specs("pso,pso:penalty"), Budget(3)) == once
+
+
+def test_the_budget_of_searches_makes_no_other_cell_of_a_planner_that_takes_none(tiny_case):
+    small, large = (make_cells([tiny_case], [Spec("ruckig-stops")], Budget(1, n)) for n in (10, 1000))
+    assert small == large
+
+
+@pytest.mark.parametrize("wrong", [{"seeds": 0}, {"evaluations": 0}, {"time_limit": 0.0}])
+def test_budgets_are_checked(wrong):
+    with pytest.raises(StudyError, match=r"at least 1|positive"):
+        Budget(**wrong)
