@@ -28,12 +28,11 @@ from study.experiment.lineup import (
     make_cells,
     parse_specs,
 )
-from study.experiment.registry import planner_named, planner_names
+from study.experiment.registry import planner_named, planner_names, unavailable_planners
 from study.experiment.results import Cell, Result
 from study.experiment.runner import run_cells
 from study.experiment.store import Store, remembered_lineup
 from study.experiment.summary import summarise
-from study.planning import Planner
 
 DEFAULT_OUT = Path("study-output")
 STORE_NAME = "results.sqlite"
@@ -79,15 +78,9 @@ def list_all() -> None:
     """List cases and planners; the default ones are what `study run` takes."""
     console = _console()
     console.print(terminal.cases_table(load_case(name) for name in case_names()))
-    entries = [(name, _planner_or_reason(name)) for name in planner_names()]
+    broken = unavailable_planners()
+    entries = [(name, broken[name] if name in broken else planner_named(name)) for name in planner_names()]
     console.print(terminal.planners_table(entries, [spec.planner for spec in default_lineup()]))
-
-
-def _planner_or_reason(name: str) -> Planner | str:
-    try:
-        return planner_named(name)
-    except StudyError as error:
-        return str(error)
 
 
 @app.command()
@@ -147,9 +140,11 @@ def _budget(seeds: int | None, evaluations: int | None, full: bool, time_limit: 
 
 
 def _lineup(texts: Sequence[str] | None) -> tuple[Spec, ...]:
-    if not texts:
-        return default_lineup()
-    return full_lineup() if texts == ["all"] else parse_specs(",".join(texts))
+    if texts and texts != ["all"]:
+        return parse_specs(",".join(texts))
+    for reason in unavailable_planners().values():
+        print(f"study: left out: {reason}", file=sys.stderr)
+    return full_lineup() if texts else default_lineup()
 
 
 def _run(cells: Sequence[Cell], cases: Mapping[str, Case], store: Store, jobs: int | None, console: Console) -> None:
@@ -194,10 +189,9 @@ def _write(cases: Mapping[str, Case], results: Sequence[Result], out: Path) -> t
     from study.report.page import build_report  # here: matplotlib and rerun are slow to import
     from study.report.recording import record_case
 
-    page = build_report(cases, results, out / "report", environment())
     for case in cases.values():
         record_case(case, [r for r in results if r.cell.case == case.name], _recording(out, case.name))
-    return page, out / "recordings"
+    return build_report(cases, results, out / "report", environment()), out / "recordings"
 
 
 def _recording(out: Path, name: str) -> Path:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from study.errors import StudyError, unknown
 from study.experiment.cases import Case
-from study.experiment.registry import planner_named, planner_names
+from study.experiment.registry import planner_named, planner_names, unavailable_planners
 from study.experiment.results import Cell
 from study.formulation import FORMULATIONS
 from study.planning import RunSettings
@@ -118,12 +118,14 @@ def parse_specs(text: str) -> tuple[Spec, ...]:
 def default_lineup(names: Iterable[str] | None = None) -> tuple[Spec, ...]:
     """Every headline search as the papers run it and once more `scaled,shared`, and every deterministic planner.
 
+    Planners that cannot be loaded are left out; `unavailable_planners` names them.
+
     Parameters
     ----------
     names : iterable of str, optional
         Searches to take; the headline ones that are installed by default.
     """
-    installed = planner_names()
+    installed = _available()
     searches = [name for name in (HEADLINE_SEARCHES if names is None else names) if name in installed]
     papers_way = [Spec(name) for name in searches]
     scaled = [Spec(name, "scaled", "shared") for name in searches if planner_named(name).segment_times]
@@ -132,7 +134,12 @@ def default_lineup(names: Iterable[str] | None = None) -> tuple[Spec, ...]:
 
 def full_lineup() -> tuple[Spec, ...]:
     """Every installed planner in the ways of the default line-up."""
-    return default_lineup([name for name in planner_names() if planner_named(name).stochastic])
+    return default_lineup([name for name in _available() if planner_named(name).stochastic])
+
+
+def _available() -> list[str]:
+    broken = unavailable_planners()
+    return [name for name in planner_names() if name not in broken]
 
 
 def make_cells(cases: Iterable[Case], specs: Sequence[Spec], budget: Budget) -> list[Cell]:
@@ -151,11 +158,12 @@ def make_cells(cases: Iterable[Case], specs: Sequence[Spec], budget: Budget) -> 
 def _cells(case: Case, spec: Spec, budget: Budget) -> list[Cell]:
     planner = planner_named(spec.planner)
     own = replace(case.settings, curve=case.curve, seed=0, time_limit=budget.time_limit)
-    if not planner.stochastic:
-        # one cell whatever the budget: a deterministic method takes shared durations unless told otherwise
-        own = RunSettings(curve=case.curve, formulation="scaled", time_limit=budget.time_limit)
-    elif budget.evaluations is not None:
+    if budget.evaluations is not None:
         own = replace(own, evaluations=budget.evaluations)
+    if not planner.stochastic:  # takes the plain problem unless told otherwise
+        own = replace(own, formulation="scaled", synchronisation="shared")
+    if not planner.segment_times:  # takes no budget either, so that no budget makes it another cell
+        own = RunSettings(curve=case.curve, formulation="scaled", time_limit=budget.time_limit)
     settings = replace(
         own,
         formulation=spec.formulation or own.formulation,

@@ -33,6 +33,17 @@ def planner_named(name: str) -> Planner:
     return _load(name, tuple(sys.path))
 
 
+def unavailable_planners() -> dict[str, str]:
+    """Say of every installed planner that cannot be loaded why not."""
+    reasons = {}
+    for name in planner_names():
+        try:
+            planner_named(name)
+        except StudyError as error:
+            reasons[name] = str(error)
+    return reasons
+
+
 def planner_version(name: str) -> str:
     """Name and version of the distribution that brings a planner, such as `time-optimal-study 0.1.0`."""
     found = _entry(name, tuple(sys.path)).dist
