@@ -11,6 +11,7 @@ import numpy as np
 from study.errors import StudyError
 from study.experiment.cases import Case
 from study.experiment.results import Result
+from study.experiment.summary import CURVE
 from study.problem import Floats
 from study.report.activity import Use, limit_uses
 from study.report.featured import Featured, featured
@@ -94,7 +95,7 @@ class Contents:
     shown : tuple of Shown
         Methods with a motion; of what the paper prints only the shortest.
     best : float, s
-        Shortest feasible duration of any run, infinite where there is none.
+        Shortest feasible duration of any run on the paper's curve, infinite where there is none.
     samples : int
         Evenly spaced samples of every motion; its knots and exact peaks are added.
     """
@@ -116,6 +117,14 @@ class Contents:
         """The best method of every kind and the paper's own planner, in order of rank."""
         labels = {entry.label for _, _, entry in self.chosen.present()} | {self.case.planner}
         return tuple(one for one in self.shown if one.label in labels)
+
+    @property
+    def compared(self) -> tuple[Shown, ...]:
+        """Methods of the first look that fit into one plot: no infeasible ones but the published, none twice as slow."""
+        judged = [one for one in self.first_look if one.feasible or one.entry is self.chosen.published]
+        reference = self.chosen.reference
+        slowest = 2.0 * (reference.duration or np.inf) if reference is not None else np.inf
+        return tuple(one for one in judged if one.motion.duration <= slowest) or self.first_look
 
 
 def gather(case: Case, results: Sequence[Result], samples: int) -> Contents:
@@ -142,8 +151,8 @@ def gather(case: Case, results: Sequence[Result], samples: int) -> Contents:
         for entry in moving
         if entry.motion is not None
     )
-    best = min((entry.row.best for entry in entries if entry.row.best is not None), default=np.inf)
-    return Contents(case, entries, chosen, shown, best, samples)
+    on_curve = [entry.row.best for entry in entries if entry.row.best is not None and entry.path == CURVE]
+    return Contents(case, entries, chosen, shown, min(on_curve, default=np.inf), samples)
 
 
 def method_colors(labels: Sequence[str], first: Sequence[str] = ()) -> dict[str, tuple[int, int, int]]:

@@ -9,7 +9,6 @@ import rerun.blueprint as rrb
 
 from study.experiment.cases import Case
 from study.judge import RATES
-from study.problem import Floats
 from study.report.recording.contents import Contents, Shown
 from study.report.recording.pictures import bars_bounds, curves_bounds, key_bounds
 from study.report.recording.scene import Scene
@@ -28,7 +27,7 @@ def layout(contents: Contents, scene: Scene | None) -> rrb.Blueprint:
     tabs += _convergence(contents)
     tabs.append(_drawing("Durations", "durations", bars_bounds(len(contents.shown))))
     if scene is not None:
-        tabs.append(_arms("All arms", scene, scene.whole, ["$origin/**"]))
+        tabs.append(rrb.Grid(*(_arm(one, scene) for one in contents.shown), name="All arms"))
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=0),
         rrb.BlueprintPanel(state="hidden"),
@@ -45,19 +44,19 @@ def _overview(contents: Contents, scene: Scene | None) -> rrb.Container:
         _drawing("Ladder of lost time", "ladder", bars_bounds(len(ladder_bars(contents)))),
         row_shares=[3, 2],
     )
-    first = contents.first_look
-    plots = rrb.Horizontal(*(_plot(contents, order, joint, first) for order, joint in active_signals(contents)))
+    plots = rrb.Horizontal(
+        *(_plot(contents, order, joint, contents.compared) for order, joint in active_signals(contents))
+    )
     if scene is None:
         return rrb.Horizontal(words, plots, column_shares=[2, 3], name="Overview")
-    within = [f"+ {entity('arms', one.label)}/**" for one in first]
-    arms = _arms("Arms side by side; tool paths dark where slow, bright where fast", scene, scene.front, within)
+    arms = rrb.Grid(*(_arm(one, scene) for one in contents.first_look), grid_columns=3)
     return rrb.Horizontal(words, rrb.Vertical(arms, plots, row_shares=[3, 2]), column_shares=[2, 3], name="Overview")
 
 
 def active_signals(contents: Contents, wanted: int = 3) -> list[tuple[int, int]]:
     """Orders and joints whose limits the first look's methods use longest; velocities fill up where there are few."""
     shares: dict[tuple[int, int], float] = {}
-    for one in contents.first_look:
+    for one in contents.compared:
         for use in one.uses:
             key = (use.order, use.joint)
             shares[key] = shares.get(key, 0.0) + (use.end - use.start) / one.motion.duration
@@ -95,17 +94,10 @@ def _axis(case: Case, order: int, joint: int) -> rrb.ScalarAxis | None:
     return rrb.ScalarAxis(range=(1.2 * pair[1], 1.2 * pair[0]), zoom_lock=False)
 
 
-def _arms(name: str, scene: Scene, box: tuple[Floats, Floats], contents: list[str]) -> rrb.Spatial3DView:
-    """Look along the x axis at a row of arms, from far enough away to see all of it."""
-    middle, extent = box
-    distance = 0.5 * extent[0] + max(0.55 * extent[1], 1.1 * extent[2])
-    eye = middle + distance * np.array([1.0, 0.0, 0.25])
-    return rrb.Spatial3DView(
-        name=name,
-        origin="arms",
-        contents=contents,
-        eye_controls=rrb.EyeControls3D(position=eye, look_target=middle, eye_up=(0.0, 0.0, 1.0)),
-    )
+def _arm(one: Shown, scene: Scene) -> rrb.Spatial3DView:
+    """Look at one method's arm; every arm is seen from the same place."""
+    eye = rrb.EyeControls3D(position=scene.eye, look_target=scene.target, eye_up=(0.0, 0.0, 1.0))
+    return rrb.Spatial3DView(name=one.title, origin=entity("arms", one.label), eye_controls=eye)
 
 
 def _drawing(name: str, origin: str, bounds: tuple[tuple[float, float], tuple[float, float]]) -> rrb.Spatial2DView:

@@ -22,7 +22,7 @@ FAINT: Color = (48, 48, 48)
 BAR_WIDTH, BAR_PITCH = 700.0, 36.0
 PLOT = (1300.0, 640.0)
 KEY_PITCH = 130.0
-LETTER = 6.4
+LETTER = 5.2
 LINE = 22.0
 
 
@@ -130,7 +130,7 @@ def _log_axes(stream: rr.RecordingStream, where: str, low: Floats, high: Floats)
     for k, (spot, text) in enumerate(zip(spots, texts, strict=True)):
         _log_text(stream, entity(where, "_axes", str(k)), spot, text, GREY)
     _log_text(stream, entity(where, "_axes", "x"), (0.5 * PLOT[0] - 40.0, PLOT[1] + 44.0), "evaluations", GREY)
-    _log_text(stream, entity(where, "_axes", "y"), (-60.0, -30.0), "gap to the best known time", GREY)
+    _log_text(stream, entity(where, "_axes", "y"), (-60.0, -30.0), "gap to the best known time on this curve", GREY)
 
 
 def _log_text(stream: rr.RecordingStream, path: str, left: tuple[float, float], text: str, color: Color) -> None:

@@ -24,22 +24,10 @@ FEW_WAYPOINTS = 6
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Where the arms stand, for the cameras.
+    """Where to look from: the eye and what it looks at, arrays of shape (3,), m."""
 
-    Attributes
-    ----------
-    size : array of shape (3,), m
-        Extent of one arm over all motions.
-    front, whole : pairs of arrays of shape (3,), m
-        Middle and extent of the first row, which holds the methods of the first look, and of all rows.
-    fastest : float, m/s
-        Highest tool speed of any motion.
-    """
-
-    size: Floats
-    front: tuple[Floats, Floats]
-    whole: tuple[Floats, Floats]
-    fastest: float
+    eye: Floats
+    target: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,28 +42,29 @@ class _Arm:
 
 
 def log_scene(stream: rr.RecordingStream, contents: Contents) -> Scene | None:
-    """Write an arm per method to `/arms`, set side by side; cases without a robot have no scene."""
+    """Write an arm per method to `/arms`, all in the robot's base frame; cases without a robot have no scene."""
     if contents.case.robot is None or not contents.shown:
         return None
     robot = robot_named(contents.case.robot)
-    front = contents.first_look
-    arms = [_arm(robot, contents, one) for one in (*front, *(o for o in contents.shown if o not in front))]
+    arms = [_arm(robot, contents, one) for one in contents.shown]
     points = np.concatenate([arm.chain.reshape(-1, 3) for arm in arms])
-    low, high = points.min(axis=0), points.max(axis=0)
-    places = _places(len(front), len(arms), high - low)
+    reach = float(np.linalg.norm(np.ptp(points, axis=0)))
     fastest = max(float(arm.speeds.max()) for arm in arms)
     stream.log("arms", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    for arm, place in zip(arms, places, strict=True):
+    for arm in arms:
         path = entity("arms", arm.one.label)
-        stream.log(path, rr.Transform3D(translation=place), static=True)
-        _log_links(stream, path, arm, 0.018 * float(np.linalg.norm(high - low)))
-        _log_path(stream, path, arm, fastest, 0.004 * float(np.linalg.norm(high - low)))
-        name = [[*(0.5 * (low + high))[:2], low[2] - 0.06 * float(np.ptp(points[:, 2]))]]
-        label = rr.Points3D(name, labels=[arm.one.title], show_labels=True, colors=arm.one.color, radii=0.0)
-        stream.log(path + "/name", label, static=True)
-    boxes = [(places[rows] + 0.5 * (low + high), high - low) for rows in (slice(len(front)), slice(None))]
-    first, whole = [(middles.mean(axis=0), np.ptp(middles, axis=0) + size) for middles, size in boxes]
-    return Scene(high - low, first, whole, fastest)
+        _log_links(stream, path, arm, 0.016 * reach)
+        _log_path(stream, path, arm, fastest, 0.004 * reach)
+    return _looking(points, np.concatenate([arm.chain[:, -1] for arm in arms]))
+
+
+def _looking(points: Floats, tool: Floats) -> Scene:
+    """Look across the arms' widest horizontal direction, from the tool's side and a little from above."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    target = 0.5 * (low + high)
+    _, axes = np.linalg.eigh(np.cov(points[:, :2].T))
+    towards = axes[:, 0] * (1.0 if (tool.mean(axis=0) - target)[:2] @ axes[:, 0] >= 0 else -1.0)
+    return Scene(target + 0.95 * float(np.linalg.norm(high - low)) * np.append(towards, 0.35), target)
 
 
 def _arm(robot: Robot, contents: Contents, one: Shown) -> _Arm:
@@ -90,13 +79,6 @@ def _arm(robot: Robot, contents: Contents, one: Shown) -> _Arm:
 def _chain(robot: Robot, contents: Contents, q: Floats) -> Floats:
     """Origins of the base and of every link's frame, shape (n, n_links + 1, 3), m."""
     return robot.frames(contents.case.robot_configuration(q))[:, :, :3, 3]
-
-
-def _places(front: int, count: int, size: Floats) -> Floats:
-    """Where the arms stand: a first row of the chosen ones, rows as wide behind it, shape (count, 3), m."""
-    row, column = np.divmod(np.arange(count), max(front, 1))
-    gap = 0.25 * float(size.max())
-    return np.column_stack([-2.0 * (size[0] + gap) * row, (size[1] + gap) * column, np.zeros(count)])
 
 
 def _log_links(stream: rr.RecordingStream, path: str, arm: _Arm, radius: float) -> None:

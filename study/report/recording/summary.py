@@ -38,7 +38,7 @@ def ladder_bars(contents: Contents) -> list[Bar]:
             f"{place} {rung.method}",
             f"{_rung_name(rung)}  {seconds(rung.seconds)}{'' if rung.feasible else '  infeasible'}",
             rung.seconds,
-            colors.get(rung.method, GREY),
+            colors.get(rung.method, colors.get(f"published: {rung.method}", GREY)),
         )
         for place, rung in enumerate(rungs, start=1)
     ]
@@ -132,8 +132,8 @@ def markdown(contents: Contents) -> str:
         f"# {plain(case.title)}",
         f"{problem.n_waypoints} waypoints, {problem.n_joints} joints. {_winner(contents)}",
         "",
-        "| Method | Verdict | Time | Gap | Feasible runs | Evaluations |",
-        "|:--|:--|--:|--:|--:|--:|",
+        "| Method | Verdict | Time | Gap | Path | Evaluations |",
+        "|:--|:--|--:|--:|:--|--:|",
         *(_row(entry) for entry in contents.entries),
         "",
         *_remarks(contents),
@@ -150,18 +150,27 @@ def _winner(contents: Contents) -> str:
 
 def _row(entry: Entry) -> str:
     row = entry.row
-    word = "feasible" if row.feasible else "**infeasible**" if entry.motion is not None else "no motion"
-    runs = f"{row.feasible_runs} of {row.runs}" if row.kind == "search" else ""
     evaluations = count(row.evaluations) if row.evaluations else ""
     gap = percent(row.gap) if row.gap is not None else ""
     time = seconds(entry.duration).replace(DASH, "")
-    return f"| {plain(entry.label)} | {word} | {time} | {gap} | {runs} | {evaluations} |"
+    cells = (plain(entry.label), _verdict(entry), time, gap, entry.path if entry.motion else "", evaluations)
+    return f"| {' | '.join(cells)} |"
+
+
+def _verdict(entry: Entry) -> str:
+    row = entry.row
+    if entry.motion is None:
+        return "not judged" if row.kind == "published" else "no motion"
+    if 0 < row.feasible_runs < row.runs:
+        return f"{row.feasible_runs} of {row.runs} runs feasible"
+    return "feasible" if row.feasible else "**infeasible**"
 
 
 def _remarks(contents: Contents) -> list[str]:
     reasons = [f"- **{plain(e.label)}**: {plain(e.row.reason)}" for e in contents.entries if e.row.reason]
     notes = [f"- {plain(note)}" for note in contents.case.notes]
-    lines = ["Time is the median of the feasible runs; the run of median time is the one that moves.", ""]
+    lines = ["Time is the median of the feasible runs, and the run of median time is the one that moves.", ""]
+    lines[0] += " Gap is to the fastest feasible run of any path."
     lines += ["## Why not feasible", *reasons, ""] if reasons else []
     return lines + (["## Notes", *notes] if notes else [])
 
