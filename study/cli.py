@@ -258,6 +258,16 @@ def check(
     console.print("feasible")
 
 
+@app.command()
+def ledger(paper: Annotated[str | None, typer.Option(help="Key of one paper; all five by default.")] = None) -> None:
+    """Print every misprint, contradiction and gap found in the papers, and the reading taken."""
+    from study.experiment.ledger import ledger as entries
+
+    console = _console()
+    for table in terminal.ledger_tables(entries(paper)):
+        console.print(table)
+
+
 @cases_app.command("show")
 def show_case(name: Annotated[str, typer.Argument(metavar="NAME", help="Name or YAML file.")]) -> None:
     """Print a case: waypoints, limits, sources and notes."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
 
 import numpy as np
 from rich.console import Console
@@ -11,6 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from study.experiment.cases import Case
+from study.experiment.ledger import Entry
 from study.experiment.summary import Row
 from study.judge import RATES, Verdict
 from study.planning import Planner
@@ -136,6 +138,17 @@ def case_tables(case: Case) -> list[Table]:
     for note in case.notes:
         facts.add_row("note", note)
     return [facts, _waypoints_table(case), _limits_table(case)]
+
+
+def ledger_tables(entries: Iterable[Entry]) -> Iterator[Table]:
+    """Tables of the ledger, one for each paper."""
+    for paper, group in groupby(entries, key=lambda entry: entry.paper):
+        table = Table(title=paper, title_justify="left", header_style="bold", show_lines=True)
+        for name in ("kind", "place", "printed", "problem", "reading", "consequence"):
+            table.add_column(name, overflow="fold")
+        for entry in group:
+            table.add_row(entry.kind, entry.place, entry.printed, entry.problem, entry.reading, entry.consequence)
+        yield table
 
 
 def _waypoints_table(case: Case) -> Table:

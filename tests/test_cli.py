@@ -59,13 +59,21 @@ def test_list_shows_cases_and_planners_even_broken_ones(study_command, stubs):
     text = study_command("list").stdout
     for name in (*case_names(), "golds-pso", "ruckig-stops", "stub-missing"):
         assert name in text
-    assert "which is not installed" in text
+    assert "a_package_that_nobody_has" in text
 
 
 def test_cases_show_prints_waypoints_limits_and_sources(study_command):
     text = study_command("cases", "show", "woodworking").stdout
     for part in ("1.897", "0.8 m/s²", "2.4 rad/s²", "Table 4", "golds-pso"):
         assert part in text
+
+
+def test_ledger_prints_every_entry_or_those_of_one_paper(study_command, failing):
+    everything = study_command("ledger").stdout
+    one = study_command("ledger", "--paper", "woodworking-golds-pso").stdout
+    assert "woodworking-golds-pso" in one
+    assert len(one) < len(everything)
+    assert "no paper 'woodworking'" in failing("ledger", "--paper", "woodworking")
 
 
 def test_run_goes_on_where_it_stopped_and_report_shows_the_same(study_command, stubs, case_file, tmp_path):
