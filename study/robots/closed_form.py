@@ -44,9 +44,7 @@ def ur_inverse(robot: Robot, poses: Floats) -> Floats:
     for k1, k2, k3 in BRANCHES:
         theta1, reach = _shoulder(wrist, robot.d[1:4].sum(), k1)
         forward, sideways = _shoulder_axes(theta1)
-        cosine5 = _dot(sideways, a)
-        sine5 = k2 * np.sqrt(np.maximum(1.0 - cosine5**2, 0.0))
-        sine5[np.abs(sine5) < SINGULAR] = np.nan
+        cosine5, sine5 = _dot(sideways, a), _wrist_sine(_dot(sideways, n), _dot(sideways, o), k2)
         cosine6, sine6 = sign4 * _dot(sideways, n) / sine5, -sign4 * _dot(sideways, o) / sine5
         x4 = n * (cosine5 * cosine6)[:, None] - o * (cosine5 * sine6)[:, None] + a * (sign5 * sine5)[:, None]
         sum234 = np.arctan2(x4[:, 2], _dot(forward, x4))
@@ -81,9 +79,7 @@ def puma_inverse(robot: Robot, poses: Floats) -> Floats:
         theta2, elbow = _two_links(reach, wrist[:, 2] - robot.d[0], robot.a[1], forearm, k3)
         theta3 = elbow - bend
         hand = np.swapaxes(_turned(robot, np.stack([theta1, theta2, theta3], axis=1)), 1, 2) @ poses[:, :3, :3]
-        cosine5 = -sign4 * sign5 * hand[:, 2, 2]
-        sine5 = k2 * np.sqrt(np.maximum(1.0 - cosine5**2, 0.0))
-        sine5[np.abs(sine5) < SINGULAR] = np.nan
+        cosine5, sine5 = -sign4 * sign5 * hand[:, 2, 2], _wrist_sine(hand[:, 2, 0], hand[:, 2, 1], k2)
         theta4 = np.arctan2(sign5 * hand[:, 1, 2] / sine5, sign5 * hand[:, 0, 2] / sine5)
         theta6 = np.arctan2(-sign4 * hand[:, 2, 1] / sine5, sign4 * hand[:, 2, 0] / sine5)
         branches.append(np.stack([theta1, theta2, theta3, theta4, np.arctan2(sine5, cosine5), theta6], axis=1))
@@ -137,6 +133,12 @@ def _shoulder_axes(theta1: Floats) -> tuple[Floats, Floats]:
     """Directions in which the arm reaches and about which its parallel axes turn, each of shape (n, 3)."""
     sine, cosine, zero = np.sin(theta1), np.cos(theta1), np.zeros_like(theta1)
     return np.stack([cosine, sine, zero], axis=1), np.stack([sine, -cosine, zero], axis=1)
+
+
+def _wrist_sine(first: Floats, second: Floats, k2: int) -> Floats:
+    """Sine of the fifth angle from the two components that it scales; NaN where the wrist is straight."""
+    size = np.hypot(first, second)
+    return k2 * np.where(size > SINGULAR, size, np.nan)
 
 
 def _two_links(across: Floats, up: Floats, first: float, second: float, k3: int) -> tuple[Floats, Floats]:
