@@ -8,13 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats, JointLimits
-from study.trajectory import Motion
+from study.trajectory import Extrema, Motion
 
 SATURATED = 0.999
 """Share of a limit from which on it counts as active."""
 
-POINTS = 6000
+POINTS = 1500
 """About how many times a motion is looked at; peaks and knots are always among them."""
+
+HALVINGS = 30
+"""Bisections after which the end of a stretch is known to less than a nanosecond."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +59,11 @@ def limit_uses(motion: Motion, limits: JointLimits, share: float = SATURATED) ->
     """
     uses: list[Use] = []
     for order, limit in enumerate(limits.rates, start=1):
-        times = _times(motion, order)
-        active = _active(motion, times, order, share * limit)
+        extrema = motion.extrema(order)
+        if (extrema.peak < share * limit).all():
+            continue
+        times = _times(motion, extrema)
+        active = np.abs(motion(times, order)) >= share * limit
         for joint in np.flatnonzero(active.any(axis=0)):
             edges = _stretches(active[:, joint])
             closed = _closed(motion, times, edges, (order, int(joint), share * limit[joint]))
@@ -87,19 +93,14 @@ def lane(uses: Iterable[Use], order: int, names: tuple[str, ...]) -> list[tuple[
     return [(t, text) for i, (t, text) in enumerate(zip(changes, texts, strict=True)) if not i or text != texts[i - 1]]
 
 
-def _times(motion: Motion, order: int) -> Floats:
+def _times(motion: Motion, extrema: Extrema) -> Floats:
     """Times to look at: a grid over every piece, both sides of every knot and the exact peaks."""
     knots = motion.knots
     steps = max(POINTS // (len(knots) - 1), 4)
     grid = knots[:-1, None] + np.diff(knots)[:, None] * np.linspace(0.0, 1.0, steps, endpoint=False)
-    extrema = motion.extrema(order)
     return np.unique(
         np.concatenate([grid.ravel(), np.nextafter(knots[1:], 0.0), knots, extrema.at_lowest, extrema.at_highest])
     )
-
-
-def _active(motion: Motion, times: Floats, order: int, threshold: Floats) -> np.ndarray:
-    return np.abs(motion(times, order)) >= threshold
 
 
 def _stretches(mask: np.ndarray) -> np.ndarray:
@@ -113,7 +114,7 @@ def _closed(motion: Motion, times: Floats, edges: np.ndarray, wanted: tuple[int,
     order, joint, threshold = wanted
     inside = times[edges].ravel()
     outside = times[np.clip(edges + np.array([-1, 1]), 0, len(times) - 1)].ravel()
-    for _ in range(40):
+    for _ in range(HALVINGS):
         middle = 0.5 * (inside + outside)
         above = np.abs(motion(middle, order)[:, joint]) >= threshold
         inside, outside = np.where(above, middle, inside), np.where(above, outside, middle)

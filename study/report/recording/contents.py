@@ -19,6 +19,8 @@ from study.report.rows import Entry, entries_of
 from study.trajectory import Motion
 
 NANOSECOND = 1e-9
+FIRST_LOOK = 6
+"""How many arms the first look has room for."""
 
 PALETTE = (
     (78, 166, 230),
@@ -76,6 +78,11 @@ class Shown:
         return run is not None and run.verdict is not None and run.verdict.feasible
 
     @property
+    def published(self) -> bool:
+        """Whether it is what the paper prints."""
+        return self.entry.row.kind == "published"
+
+    @property
     def title(self) -> str:
         """Name, time and, if it is so, that the motion is infeasible."""
         return f"{self.label}  {self.motion.duration:.3f} s{'' if self.feasible else '  infeasible'}"
@@ -114,16 +121,23 @@ class Contents:
 
     @property
     def first_look(self) -> tuple[Shown, ...]:
-        """The best method of every kind and the paper's own planner, in order of rank."""
+        """The featured methods and, where they are few, the next in rank."""
+        others = [one for one in self.shown if one not in self.featured]
+        picked = {*self.featured, *others[: max(FIRST_LOOK - len(self.featured), 0)]}
+        return tuple(one for one in self.shown if one in picked)
+
+    @property
+    def featured(self) -> tuple[Shown, ...]:
+        """The best method of every kind, the paper's own planner and what the paper prints, in order of rank."""
         labels = {entry.label for _, _, entry in self.chosen.present()} | {self.case.planner}
-        return tuple(one for one in self.shown if one.label in labels)
+        return tuple(one for one in self.shown if one.label in labels or one.published)
 
     @property
     def compared(self) -> tuple[Shown, ...]:
-        """Methods of the first look that fit into one plot: no infeasible ones but the published, none twice as slow."""
-        judged = [one for one in self.first_look if one.feasible or one.entry is self.chosen.published]
+        """Featured methods that fit into one plot: no infeasible ones but the published, none far slower."""
+        judged = [one for one in self.featured if one.feasible or one.published]
         reference = self.chosen.reference
-        slowest = 2.0 * (reference.duration or np.inf) if reference is not None else np.inf
+        slowest = 2.5 * (reference.duration or np.inf) if reference is not None else np.inf
         return tuple(one for one in judged if one.motion.duration <= slowest) or self.first_look
 
 
@@ -144,15 +158,20 @@ def gather(case: Case, results: Sequence[Result], samples: int) -> Contents:
     if not entries:
         raise StudyError(f"recording of case {case.name!r}: no results; run the case first")
     chosen = featured(entries)
-    moving = [e for e in entries if e.row.kind != "published" or e is chosen.published]
-    colors = method_colors([entry.label for entry in moving], [entry.label for _, _, entry in chosen.present()])
+    printed = sorted(_moving(entries, published=True), key=lambda pair: pair[1].duration)[:1]
+    moving = [pair for pair in _moving(entries) if pair[0].row.kind != "published" or pair in printed]
+    colors = method_colors([entry.label for entry, _ in moving], [entry.label for _, _, entry in chosen.present()])
     shown = tuple(
-        Shown(entry, entry.motion, colors[entry.label], limit_uses(entry.motion, case.problem.limits))
-        for entry in moving
-        if entry.motion is not None
+        Shown(entry, motion, colors[entry.label], limit_uses(motion, case.problem.limits)) for entry, motion in moving
     )
     on_curve = [entry.row.best for entry in entries if entry.row.best is not None and entry.path == CURVE]
     return Contents(case, entries, chosen, shown, min(on_curve, default=np.inf), samples)
+
+
+def _moving(entries: Sequence[Entry], published: bool = False) -> list[tuple[Entry, Motion]]:
+    """Entries that have a motion, each with it; only what the paper prints, if so wanted."""
+    wanted = [entry for entry in entries if entry.row.kind == "published" or not published]
+    return [(entry, entry.motion) for entry in wanted if entry.motion is not None]
 
 
 def method_colors(labels: Sequence[str], first: Sequence[str] = ()) -> dict[str, tuple[int, int, int]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import rerun as rr
 import rerun.blueprint as rrb
 
 from study.experiment.cases import Case
@@ -49,7 +50,8 @@ def _overview(contents: Contents, scene: Scene | None) -> rrb.Container:
     )
     if scene is None:
         return rrb.Horizontal(words, plots, column_shares=[2, 3], name="Overview")
-    arms = rrb.Grid(*(_arm(one, scene) for one in contents.first_look), grid_columns=3)
+    first = [_arm(one, scene) for one in contents.first_look]
+    arms = rrb.Grid(*first, grid_columns=min(3, (len(first) + 1) // 2))
     return rrb.Horizontal(words, rrb.Vertical(arms, plots, row_shares=[3, 2]), column_shares=[2, 3], name="Overview")
 
 
@@ -82,8 +84,15 @@ def _plot(contents: Contents, order: int, joint: int, only: Sequence[Shown] = ()
         origin=entity(SIGNALS[order], joint_name),
         contents=[limit, *within] if only else "$origin/**",
         plot_legend=rrb.PlotLegend(visible=False),
+        axis_x=_time_axis(max(one.motion.duration for one in only)) if only else None,
         axis_y=_axis(case, order, joint),
     )
+
+
+def _time_axis(end: float) -> rrb.TimeAxis:
+    """Show time from the start to the end of what is compared."""
+    first, last = rr.TimeRangeBoundary.absolute(seconds=0.0), rr.TimeRangeBoundary.absolute(seconds=1.02 * end)
+    return rrb.TimeAxis(link="Independent", view_range=rr.TimeRange(start=first, end=last))
 
 
 def _axis(case: Case, order: int, joint: int) -> rrb.ScalarAxis | None:

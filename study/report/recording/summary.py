@@ -29,19 +29,17 @@ def log_summary(stream: rr.RecordingStream, contents: Contents) -> None:
 
 def ladder_bars(contents: Contents) -> list[Bar]:
     """Bars of the ladder of lost time, or of the first look's methods where there are too few rungs."""
-    colors = {one.label: one.color for one in contents.shown}
+    shown = {one.label: one for one in contents.shown}
     rungs = ladder_of(contents.case, contents.entries, contents.chosen)
     if not rungs:
         return [Bar(o.label, o.title, o.motion.duration, o.color) for o in contents.first_look]
-    return [
-        Bar(
-            f"{place} {rung.method}",
-            f"{_rung_name(rung)}  {seconds(rung.seconds)}{'' if rung.feasible else '  infeasible'}",
-            rung.seconds,
-            colors.get(rung.method, colors.get(f"published: {rung.method}", GREY)),
-        )
-        for place, rung in enumerate(rungs, start=1)
-    ]
+    bars = []
+    for place, rung in enumerate(rungs, start=1):
+        one = shown.get(rung.method, shown.get(f"published: {rung.method}"))
+        remark = "" if rung.feasible else "  infeasible" if one is not None else "  not judged"
+        text = f"{_rung_name(rung)}  {seconds(rung.seconds)}{remark}"
+        bars.append(Bar(f"{place} {rung.method}", text, rung.seconds, GREY if one is None else one.color))
+    return bars
 
 
 def _rung_name(rung: Rung) -> str:
