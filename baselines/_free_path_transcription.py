@@ -1,0 +1,283 @@
+"""The free-path NLP as IPOPT sees it: free segment durations, K equal pieces per segment, exact limits.
+
+Velocity is a parabola in a piece of linear acceleration. It is held at the piece's ends and at one inner point u, there by
+v(u) + kappa a(u)^2 <= V: with kappa = h / (2 |a1 - a0|) that is the height of the peak wherever in the piece it stands.
+Where a piece ends, v + a^2 / (2 J) <= V holds too, as it must where the acceleration can fade no faster than at J.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baselines.closed_forms import rest_to_rest_time
+from study.errors import StudyError
+from study.problem import EndCondition, Floats, Problem
+from study.trajectory import Trajectory
+
+IntArray = NDArray[np.intp]
+OPTIONS = {"print_level": 0, "sb": "yes", "tol": 1e-9, "max_iter": 300}
+SHORTEST = 1e-6
+"""Shortest duration of a segment, in the solver's unit of time."""
+
+FLAT = 0.01
+"""Share of the full change of acceleration below which a peak counts as flat: it then needs no second-order term."""
+
+
+def casadi_module() -> Any:
+    """Import CasADi, or say how to get it.
+
+    Raises
+    ------
+    StudyError
+        If the package is not installed.
+    """
+    try:
+        return importlib.import_module("casadi")
+    except ImportError:
+        raise StudyError(
+            "planner 'free-path-nlp' needs the package 'casadi', which is not installed; install it with: pip install casadi"
+        ) from None
+
+
+@dataclass(frozen=True, eq=False)
+class Nodes:
+    """A motion by its values where the pieces meet, in the units of the problem or scaled.
+
+    Attributes
+    ----------
+    durations : array of shape (n_segments,), s
+    velocity, acceleration : arrays of shape (n_segments * K + 1, n_joints)
+    """
+
+    durations: Floats
+    velocity: Floats
+    acceleration: Floats
+
+    @property
+    def widths(self) -> Floats:
+        """Width of every piece, shape (n_pieces,), s."""
+        pieces = (len(self.velocity) - 1) // len(self.durations)
+        return np.repeat(self.durations / pieces, pieces)
+
+
+@dataclass(frozen=True, eq=False)
+class Units:
+    """Units in which the solver works, and which joints have which kind of piece.
+
+    Attributes
+    ----------
+    time : float, s
+    length : array of shape (n_joints,), rad or m
+    cubic, quadratic, straight : int arrays
+        Joints with a jerk limit, with an acceleration limit only, and all others, among them those that never move.
+    """
+
+    time: float
+    length: Floats
+    cubic: IntArray
+    quadratic: IntArray
+    straight: IntArray
+
+    @classmethod
+    def of(cls, problem: Problem) -> Units:
+        """Choose units by the distances and the durations from stop to stop."""
+        span = np.ptp(problem.waypoints, axis=0)
+        durations = rest_to_rest_time(np.diff(problem.waypoints, axis=0), problem.limits.rates)
+        limited = np.isfinite(problem.limits.rates) & (span > 0)
+        kind = np.where(limited[2], 3, np.where(limited[1], 2, 1))
+        return cls(
+            float(durations.max(axis=1).mean()),
+            np.where(span > 0, span, 1.0),
+            *(np.flatnonzero(kind == degree) for degree in (3, 2, 1)),
+        )
+
+    @property
+    def moving(self) -> IntArray:
+        """Joints whose velocity the solver chooses: the cubic ones, then the quadratic ones."""
+        return np.concatenate([self.cubic, self.quadratic])
+
+    def rates(self, problem: Problem) -> Floats:
+        """Limits in these units, shape (3, n_joints)."""
+        return problem.limits.rates * self.time ** np.arange(1, 4)[:, None] / self.length
+
+    def into(self, nodes: Nodes) -> Nodes:
+        """Express a motion in these units."""
+        velocity, acceleration = nodes.velocity * self.time, nodes.acceleration * self.time**2
+        return Nodes(nodes.durations / self.time, velocity / self.length, acceleration / self.length)
+
+    def back(self, nodes: Nodes) -> Nodes:
+        """Express a motion in the problem's units."""
+        velocity, acceleration = nodes.velocity / self.time, nodes.acceleration / self.time**2
+        return Nodes(nodes.durations * self.time, velocity * self.length, acceleration * self.length)
+
+
+class Peaks(NamedTuple):
+    """Inner points at which velocity is held; arrays of shape (n_pieces, n_cubic_joints).
+
+    `at` are fractions of the pieces, `bend` the factors kappa, in the solver's units.
+    """
+
+    at: Floats
+    bend: Floats
+
+
+class Transcription:
+    """The NLP for one problem and one number of pieces per segment.
+
+    Parameters
+    ----------
+    problem : Problem
+    pieces : int
+        Equal pieces per segment, K.
+    time_limit : float, s
+
+    Raises
+    ------
+    StudyError
+        If the package is missing.
+    """
+
+    def __init__(self, problem: Problem, pieces: int, time_limit: float = 60.0) -> None:
+        ca = casadi_module()
+        self.problem, self.pieces, self.units = problem, pieces, Units.of(problem)
+        self._count = problem.n_segments * pieces
+        self._limits = self.units.rates(problem)
+        self._moving = self.units.moving
+        self._velocity_shape = (self._count + 1, len(self._moving))
+        self._acceleration_shape = (self._count + 1, len(self.units.cubic))
+        durations = ca.SX.sym("T", problem.n_segments)
+        velocity, acceleration = ca.SX.sym("v", *self._velocity_shape), ca.SX.sym("a", *self._acceleration_shape)
+        peaks = [ca.SX.sym(name, self._count, len(self.units.cubic)) for name in ("u", "bend")]
+        rows = self._rows(ca, durations, velocity, acceleration, peaks)
+        self._lower, self._upper = (np.concatenate([row[side] for row in rows]) for side in (1, 2))
+        nlp = {
+            "x": ca.vertcat(durations, ca.vec(velocity), ca.vec(acceleration)),
+            "p": ca.vertcat(*(ca.vec(part) for part in peaks)),
+            "f": ca.sum1(durations),
+            "g": ca.vertcat(*(ca.vec(row[0]) for row in rows)),
+        }
+        options = {"ipopt": OPTIONS | {"max_wall_time": time_limit}, "print_time": False, "error_on_fail": False}
+        self._solver = ca.nlpsol("free_path", "ipopt", nlp, options)
+
+    def _rows(
+        self, ca: Any, durations: Any, velocity: Any, acceleration: Any, peaks: list[Any]
+    ) -> list[tuple[Any, Floats, Floats]]:
+        """All constraints as (expressions, lower, upper): what a piece does, then where a segment ends."""
+        n_cubic = len(self.units.cubic)
+        h = ca.kron(durations, ca.SX.ones(self.pieces, 1)) / self.pieces
+        limits = self._limits[:, self._moving]
+        v0, v1 = velocity[:-1, :], velocity[1:, :]
+        a0, a1 = acceleration[:-1, :], acceleration[1:, :]
+        wide = ca.repmat(h, 1, n_cubic)
+        gain = wide * (a0 + a1) / 2
+        at, bend = peaks
+        middle = v0[:, :n_cubic] + wide * (at * a0 + at**2 * (a1 - a0) / 2)
+        rise = bend * (a0 + at * (a1 - a0)) ** 2
+        brake = acceleration**2 / ca.repmat(2 * ca.DM(self._limits[2, self.units.cubic]).T, self._count + 1, 1)
+        inside, ends = (np.broadcast_to(limits[0, :n_cubic], (k, n_cubic)) for k in (self._count, self._count + 1))
+        travel = ca.horzcat(
+            wide * v0[:, :n_cubic] + wide**2 * (2 * a0 + a1) / 6,
+            ca.repmat(h, 1, velocity.shape[1] - n_cubic) * (v0 + v1)[:, n_cubic:] / 2,
+        )
+        per_segment = ca.kron(ca.SX.eye(self.problem.n_segments), ca.SX.ones(1, self.pieces))
+        steps = np.diff(self.problem.waypoints, axis=0)[:, self._moving] / self.units.length[self._moving]
+        rows = [
+            _equal(per_segment @ travel, steps),
+            _equal(v1[:, :n_cubic] - v0[:, :n_cubic] - gain, np.zeros((self._count, n_cubic))),
+            _below(middle + rise, inside),
+            _below(rise - middle, inside),
+            _below(brake + velocity[:, :n_cubic], ends),
+            _below(brake - velocity[:, :n_cubic], ends),
+        ]
+        for difference, limit in ((a1 - a0, limits[2, :n_cubic]), ((v1 - v0)[:, n_cubic:], limits[1, n_cubic:])):
+            if difference.shape[1]:
+                room = h @ ca.DM(limit).T
+                rows.append(_above(room - difference))
+                rows.append(_above(room + difference))
+        return rows
+
+    def _bounds(self) -> tuple[Floats, Floats]:
+        """Box of the variables: limits at the pieces' ends, end conditions, and what the straight joints need."""
+        steps = np.abs(np.diff(self.problem.waypoints, axis=0)) / self.units.length
+        shortest = (steps / self._limits[0])[:, self.units.straight].max(axis=1, initial=SHORTEST)
+        v = np.broadcast_to(self._limits[0, self._moving], self._velocity_shape).copy()
+        a = np.broadcast_to(self._limits[1, self.units.cubic], self._acceleration_shape).copy()
+        if self.problem.end is not EndCondition.FREE:
+            v[[0, -1]] = 0.0
+        if self.problem.end is EndCondition.SMOOTH:
+            a[[0, -1]] = 0.0
+        high = np.concatenate([np.full(len(shortest), np.inf), v.ravel(order="F"), a.ravel(order="F")])
+        low = -high
+        low[: len(shortest)] = shortest
+        return low, high
+
+    def solve(self, start: Nodes, peaks: Peaks) -> tuple[Nodes, Mapping[str, Any]]:
+        """Run IPOPT once; the answer is in these units and comes with IPOPT's own account of the run."""
+        p = np.concatenate([part.ravel(order="F") for part in peaks])
+        low, high = self._bounds()
+        found = self._solver(x0=self._pack(start), p=p, lbx=low, ubx=high, lbg=self._lower, ubg=self._upper)
+        return self._unpack(np.asarray(found["x"]).ravel()), self._solver.stats()
+
+    @property
+    def middles(self) -> Peaks:
+        """Inner points in the middle of every piece, without a bend."""
+        shape = (self._count, len(self.units.cubic))
+        return Peaks(np.full(shape, 0.5), np.zeros(shape))
+
+    def moved(self, peaks: Peaks, nodes: Nodes) -> Peaks:
+        """Move every inner point to where velocity peaks in its piece; a piece without a peak keeps its point."""
+        a0, a1 = nodes.acceleration[:-1, self.units.cubic], nodes.acceleration[1:, self.units.cubic]
+        width = nodes.widths[:, None]
+        crossing = a0 * a1 < 0
+        fall = np.where(crossing, np.abs(a1 - a0), 1.0)
+        sharp = crossing & (fall > FLAT * self._limits[2, self.units.cubic] * width)
+        return Peaks(np.where(crossing, np.abs(a0) / fall, peaks.at), np.where(sharp, width / (2 * fall), 0.0))
+
+    def _pack(self, nodes: Nodes) -> Floats:
+        velocity, acceleration = nodes.velocity[:, self._moving], nodes.acceleration[:, self.units.cubic]
+        return np.concatenate([nodes.durations, velocity.ravel(order="F"), acceleration.ravel(order="F")])
+
+    def _unpack(self, x: Floats) -> Nodes:
+        n, split = self.problem.n_segments, self.problem.n_segments + int(np.prod(self._velocity_shape))
+        velocity = np.zeros((self._count + 1, self.problem.n_joints))
+        acceleration = np.zeros_like(velocity)
+        velocity[:, self._moving] = x[n:split].reshape(self._velocity_shape, order="F")
+        acceleration[:, self.units.cubic] = x[split:].reshape(self._acceleration_shape, order="F")
+        return Nodes(x[:n], velocity, acceleration)
+
+
+def _equal(expression: Any, values: Floats) -> tuple[Any, Floats, Floats]:
+    flat = values.ravel(order="F")
+    return expression, flat, flat
+
+
+def _below(expression: Any, bound: Floats) -> tuple[Any, Floats, Floats]:
+    flat = bound.ravel(order="F")
+    return expression, np.full(len(flat), -np.inf), flat
+
+
+def _above(expression: Any) -> tuple[Any, Floats, Floats]:
+    zero = np.zeros(expression.numel())
+    return expression, zero, np.full(len(zero), np.inf)
+
+
+def realise(problem: Problem, nodes: Nodes) -> Trajectory:
+    """Make the exact trajectory; every segment starts from its own waypoint, so no rounding adds up."""
+    units, h = Units.of(problem), nodes.widths[:, None]
+    pieces = len(h) // problem.n_segments
+    a0, a1 = nodes.acceleration[:-1].copy(), nodes.acceleration[1:].copy()
+    v0, v1 = nodes.velocity[:-1].copy(), nodes.velocity[1:].copy()
+    steps = np.diff(problem.waypoints, axis=0)
+    a0[:, units.quadratic] = a1[:, units.quadratic] = ((v1 - v0) / h)[:, units.quadratic]
+    v0[:, units.straight] = np.repeat(steps / nodes.durations[:, None], pieces, axis=0)[:, units.straight]
+    a0[:, units.straight] = a1[:, units.straight] = 0.0
+    travel = (h * v0 + h**2 * (2 * a0 + a1) / 6).reshape(-1, pieces, problem.n_joints)
+    before = np.cumsum(travel, axis=1) - travel
+    position = (problem.waypoints[:-1, None] + before).reshape(-1, problem.n_joints)
+    return Trajectory.from_pieces(h[:, 0], np.stack([position, v0, a0 / 2, (a1 - a0) / h / 6], axis=1), pieces)
