@@ -11,7 +11,7 @@ import rerun.blueprint as rrb
 from study.experiment.cases import Case
 from study.judge import RATES
 from study.report.recording.contents import Contents, Shown
-from study.report.recording.pictures import bars_bounds, curves_bounds, key_bounds
+from study.report.recording.pictures import Bounds, bars_bounds, curves_bounds, key_bounds
 from study.report.recording.scene import Scene
 from study.report.recording.signals import limit_values
 from study.report.recording.stream import EVALUATION, SIGNALS, TIMELINE, entity
@@ -69,7 +69,9 @@ def active_signals(contents: Contents, wanted: int = 3) -> list[tuple[int, int]]
 
 def _signal_tab(contents: Contents, order: int) -> rrb.Container:
     joints = range(contents.case.problem.n_joints)
-    return rrb.Grid(*(_plot(contents, order, joint) for joint in joints), name=TITLES[order])
+    key = _drawing("Methods", "methods", key_bounds(len(contents.shown)))
+    plots = rrb.Grid(*(_plot(contents, order, joint) for joint in joints))
+    return rrb.Vertical(key, plots, row_shares=[1, 6], name=TITLES[order])
 
 
 def _plot(contents: Contents, order: int, joint: int, only: Sequence[Shown] = ()) -> rrb.TimeSeriesView:
@@ -109,7 +111,7 @@ def _arm(one: Shown, scene: Scene) -> rrb.Spatial3DView:
     return rrb.Spatial3DView(name=one.title, origin=entity("arms", one.label), eye_controls=eye)
 
 
-def _drawing(name: str, origin: str, bounds: tuple[tuple[float, float], tuple[float, float]]) -> rrb.Spatial2DView:
+def _drawing(name: str, origin: str, bounds: Bounds) -> rrb.Spatial2DView:
     limits = rrb.VisualBounds2D(x_range=bounds[0], y_range=bounds[1])
     return rrb.Spatial2DView(name=name, origin=origin, visual_bounds=limits)
 

@@ -16,12 +16,13 @@ from study.problem import Floats
 from study.report.recording.stream import entity
 
 Color = tuple[int, int, int]
+Bounds = tuple[tuple[float, float], tuple[float, float]]
 WHITE: Color = (255, 255, 255)
 GREY: Color = (150, 150, 150)
 FAINT: Color = (48, 48, 48)
 BAR_WIDTH, BAR_PITCH = 700.0, 36.0
 PLOT = (1300.0, 640.0)
-KEY_PITCH = 130.0
+KEY_PITCH, KEY_COLUMNS = 250.0, 7
 LETTER = 5.7
 LINE = 22.0
 
@@ -48,7 +49,7 @@ def log_bars(stream: rr.RecordingStream, where: str, bars: Sequence[Bar]) -> Non
         _log_text(stream, path + "/text", (16.0, y), bar.text, WHITE)
 
 
-def bars_bounds(count: int) -> tuple[tuple[float, float], tuple[float, float]]:
+def bars_bounds(count: int) -> Bounds:
     """Ranges of x and y that a drawing of so many bars fills."""
     return (-10.0, BAR_WIDTH + 10.0), (-BAR_PITCH, BAR_PITCH * count)
 
@@ -79,22 +80,23 @@ def log_curves(stream: rr.RecordingStream, where: str, lines: Sequence[Line]) ->
         _log_text(stream, path + "/name", (PLOT[0] + 36.0, height), line.name, line.color)
 
 
-def curves_bounds(lines: int) -> tuple[tuple[float, float], tuple[float, float]]:
+def curves_bounds(lines: int) -> Bounds:
     """Ranges of x and y that a drawing of so many curves fills."""
     return (-90.0, PLOT[0] + 260.0), (-50.0, max(PLOT[1], LINE * lines) + 70.0)
 
 
 def log_key(stream: rr.RecordingStream, where: str, names: Sequence[tuple[str, Color]]) -> None:
-    """Draw a row of coloured dots with what they stand for."""
+    """Draw rows of coloured dots with what they stand for."""
     for place, (name, color) in enumerate(names):
-        path, x = entity(where, name), KEY_PITCH * place
-        stream.log(path, rr.Points2D([[x, 0.0]], colors=color, radii=7.0), static=True)
-        _log_text(stream, path + "/name", (x + 14.0, 0.0), name, WHITE)
+        row, column = divmod(place, KEY_COLUMNS)
+        path, x, y = entity(where, name), KEY_PITCH * column, LINE * row
+        stream.log(path, rr.Points2D([[x, y]], colors=color, radii=6.0), static=True)
+        _log_text(stream, path + "/name", (x + 14.0, y), name, WHITE)
 
 
-def key_bounds(count: int) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Ranges of x and y that a row of so many coloured dots fills."""
-    return (-20.0, max(KEY_PITCH * count, PLOT[0])), (-15.0, 15.0)
+def key_bounds(count: int) -> Bounds:
+    """Ranges of x and y that so many coloured dots fill."""
+    return (-20.0, KEY_PITCH * KEY_COLUMNS), (-0.7 * LINE, LINE * ((count - 1) // KEY_COLUMNS + 0.7))
 
 
 def _on_paper(points: Floats, low: Floats, high: Floats) -> Floats:

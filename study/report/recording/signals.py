@@ -20,6 +20,7 @@ SEVERAL = (200, 200, 200)
 
 def log_signals(stream: rr.RecordingStream, contents: Contents) -> None:
     """Write every method's `/q`, `/v`, `/a` and `/jerk` joint by joint, with limit lines and saturation marks."""
+    log_key(stream, "methods", [(one.label, one.color) for one in contents.shown])
     for order in range(4):
         for joint in range(contents.case.problem.n_joints):
             _log_limits(stream, contents, order, joint)

@@ -7,6 +7,7 @@ import importlib.metadata
 import numpy as np
 import rerun as rr
 
+from study.experiment.summary import CURVE
 from study.problem import Floats
 from study.report.ladder import Rung, ladder_of
 from study.report.recording.contents import Contents
@@ -114,9 +115,10 @@ def _log_series(
 
 
 def _references(contents: Contents, lines: list[Line]) -> list[Line]:
-    """Level lines for feasible methods of the first look that count no evaluations."""
+    """Level lines for featured feasible methods on the same curve that count no evaluations."""
     span = np.array([min(line.points[0, 0] for line in lines), max(line.points[-1, 0] for line in lines)])
-    levels = [one for one in contents.first_look if one.feasible and not len(history(one.entry)[0])]
+    on_curve = [one for one in contents.featured if one.feasible and one.entry.path == CURVE]
+    levels = [one for one in on_curve if not len(history(one.entry)[0])]
     return [
         Line(one.label, np.column_stack([span, log_gaps(np.full(2, one.motion.duration), contents.best)]), one.color)
         for one in levels
