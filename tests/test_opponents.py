@@ -128,6 +128,19 @@ def test_a_box_that_begins_at_zero_has_logarithms():
     assert meter.incumbent_value < 0.01
 
 
+def test_infinite_values_do_not_stop_the_descent():
+    def partly(x):
+        return np.where(x[:, 0] > 2 * x[:, 1], np.inf, np.abs(x - [1.0, 2.0]).sum(axis=1))
+
+    meter = Meter(partly, 900)
+    opponents.LBFGSB().minimise(meter, Box(np.full(2, 0.1), np.full(2, 10.0)), 20, np.random.default_rng(0))
+    assert meter.incumbent_value < 1e-3
+    meter = Meter(lambda x: np.full(len(x), np.inf), 90)
+    opponents.LBFGSB().minimise(meter, Box(np.full(2, 0.1), np.full(2, 10.0)), 20, np.random.default_rng(0))
+    assert meter.evaluations == 90
+    assert meter.incumbent is None
+
+
 def test_runs_of_different_length_still_make_one_history():
     problem = Problem(
         "one joint at rest",

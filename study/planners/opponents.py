@@ -23,6 +23,9 @@ from study.search.loop import Box
 from study.search.sca import SCA
 from study.search.stoa import STOA
 
+HOPELESS = 1e9
+"""Stands for infinite values where differences are taken, s."""
+
 
 class Minimiser(Protocol):
     """Anything that spends a meter's budget on finding a low value in a box, and runs its own loop."""
@@ -78,18 +81,21 @@ def _spend(meter: Meter, candidates: Floats) -> Floats:
 class LBFGSB:
     """SciPy's L-BFGS-B in the logarithms of the durations, with finite differences and restarts.
 
-    The first start is equal durations, every further one random. All finite differences of a point are evaluated, and
-    counted, with it in one call.
+    The first start is equal durations; then it starts by turns near the incumbent, to get off a kink, and anywhere.
+    All finite differences of a point are evaluated, and counted, with it in one call.
 
     Attributes
     ----------
     step : float
         Finite difference in the logarithm of a duration; ours.
+    jitter : float
+        Standard deviation of the logarithms around the incumbent at a restart; ours.
     smallest_share : float
         Smallest duration as a share of the largest where the box itself begins at 0; ours.
     """
 
     step: float = 1e-7
+    jitter: float = 0.1
     smallest_share: float = 1e-6
 
     def minimise(self, meter: Meter, box: Box, population: int, rng: np.random.Generator) -> None:
@@ -100,14 +106,18 @@ class LBFGSB:
         def value_and_gradient(logs: Floats) -> tuple[float, Floats]:
             steps = np.where(logs + self.step > upper, -self.step, self.step)
             values = _spend(meter, np.exp(np.vstack([logs, logs + identity * steps])))
+            values = np.minimum(values, HOPELESS)
             return float(values[0]), (values[1:] - values[0]) / steps
 
-        start = 0.5 * (lower + upper)
+        start, near = 0.5 * (lower + upper), True
         with contextlib.suppress(_SpentError):
             while True:
                 bounds = optimize.Bounds(lower, upper)
                 optimize.minimize(value_and_gradient, start, jac=True, method="L-BFGS-B", bounds=bounds)
                 start = lower + rng.random(len(lower)) * (upper - lower)
+                if near and meter.incumbent is not None:
+                    start = np.log(meter.incumbent) + self.jitter * rng.standard_normal(len(lower))
+                start, near = np.clip(start, lower, upper), not near
 
 
 @dataclass(frozen=True)
