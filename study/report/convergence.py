@@ -11,7 +11,7 @@ from markupsafe import Markup
 from study.experiment.cases import Case
 from study.experiment.results import Result
 from study.problem import Floats
-from study.report import figures
+from study.report import drawn, figures
 from study.report.featured import Featured
 from study.report.rows import CURVE, Entry
 
@@ -54,7 +54,7 @@ def convergence_of(case: Case, entries: Sequence[Entry], best: Featured) -> Conv
     return ConvergencePart(figures.convergence("convergence", curves, reference), legend)
 
 
-def _curve(case: Case, entry: Entry, style: int) -> figures.Convergence:
+def _curve(case: Case, entry: Entry, style: int) -> drawn.Convergence:
     first = min(one.history[0, 0] for one in entry.results)
     last = max(one.history[-1, 0] for one in entry.results)
     grid = np.unique(np.round(np.geomspace(max(first, 1.0), max(last, 1.0), POINTS)))
@@ -62,7 +62,7 @@ def _curve(case: Case, entry: Entry, style: int) -> figures.Convergence:
     # a run without a feasible candidate counts as infinitely long, so that it does not flatter the median
     lower, median, upper = np.quantile(values, (0.25, 0.5, 0.75), axis=0, method="nearest")
     median = np.median(values, axis=0) if np.isfinite(values).all() else median
-    return figures.Convergence(entry.label, style, grid, *(_shown(line) for line in (median, lower, upper)))
+    return drawn.Convergence(entry.label, style, grid, *(_shown(line) for line in (median, lower, upper)))
 
 
 def _on_grid(case: Case, result: Result, grid: Floats) -> Floats:

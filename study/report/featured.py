@@ -12,6 +12,12 @@ from study.report.rows import CURVE, FIXED_PATH, FREE_PATH, Entry
 ROLES = ("search", "optimiser", "free", "fixed", "published")
 """Kinds of methods; the place is the number of the style in figures and legends."""
 
+LEVEL = 1e-4
+"""Times closer than this share count as level."""
+
+PLAIN_SEARCHES = ("random-search", "lbfgsb")
+"""Planners that take a seed but are no metaheuristics: blind sampling, and local descent from random starts."""
+
 ROLE_NAMES = {
     "search": "best metaheuristic",
     "optimiser": "deterministic, same curve",
@@ -55,12 +61,17 @@ class Featured:
         return candidates[0] if candidates else None
 
 
+def is_metaheuristic(entry: Entry) -> bool:
+    """Whether an entry stands for the methods that the papers propose."""
+    return entry.row.kind == "search" and entry.planner not in PLAIN_SEARCHES
+
+
 def featured(entries: Sequence[Entry]) -> Featured:
     """Pick the entry of every kind; entries are ranked, so the first of a kind is its best."""
     plain = [entry for entry in entries if entry.row.kind == "deterministic"]
     return Featured(
-        search=_first(entry for entry in entries if entry.row.kind == "search" and entry.path == CURVE),
-        optimiser=_first(entry for entry in plain if entry.path == CURVE),
+        search=_first(entry for entry in entries if is_metaheuristic(entry) and entry.path == CURVE),
+        optimiser=_cheapest_of_level([entry for entry in plain if entry.path == CURVE]),
         free=_first(entry for entry in plain if entry.path == FREE_PATH),
         fixed=_first(entry for entry in plain if entry.path == FIXED_PATH),
         published=min(
@@ -69,6 +80,17 @@ def featured(entries: Sequence[Entry]) -> Featured:
             default=None,
         ),
     )
+
+
+def _cheapest_of_level(entries: Sequence[Entry]) -> Entry | None:
+    """First entry, or one that is level with it and took less computing."""
+    first = _first(entries)
+    if first is None or first.row.median is None:
+        return first
+    level = [
+        one for one in entries if one.row.median is not None and one.row.median <= first.row.median * (1 + LEVEL / 10)
+    ]
+    return min(level, key=lambda one: one.row.wall_time)
 
 
 def _first(entries: Iterable[Entry]) -> Entry | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import matplotlib as mpl
@@ -12,33 +12,45 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-from study.problem import Floats, Problem
+from study.problem import Problem
+from study.report.drawn import Bar, Convergence, HeadlineRow, Series, headline_range, sample_times, spaced_ticks
 from study.report.svg import PLACEHOLDER, themed
-from study.trajectory import Motion
+from study.report.wording import count, percent
 
 INK, MUTED, GRID, BAND, PAPER = (PLACEHOLDER[name] for name in ("ink", "muted", "grid", "band", "paper"))
 SERIES = tuple(PLACEHOLDER[f"s{k}"] for k in range(1, 7))
-DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (6, 2, 1.5, 2)), (0, (1.5, 1.5)), (0, (3, 1.5, 1, 1.5, 1, 1.5)), (0, (9, 3)))
+DASHES: tuple[Any, ...] = (
+    "-",
+    (0, (6, 2)),
+    (0, (6, 2, 1.5, 2)),
+    (0, (1.5, 1.5)),
+    (0, (3, 1.5, 1, 1.5, 1, 1.5)),
+    (0, (9, 3)),
+)
 MARKERS = ("o", "s", "^", "D", "X", "v")
 RC = {
     "svg.hashsalt": "time-optimal-study",
     "svg.fonttype": "none",
     "text.parse_math": False,
-    "font.size": 11.0,
-    "axes.titlesize": 11.0,
-    "axes.labelsize": 10.5,
-    "xtick.labelsize": 10.0,
-    "ytick.labelsize": 10.0,
+    "font.size": 12.0,
+    "axes.titlesize": 12.0,
+    "axes.labelsize": 12.0,
+    "xtick.labelsize": 11.0,
+    "ytick.labelsize": 11.0,
     "hatch.linewidth": 0.7,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.facecolor": "none",
     "figure.facecolor": "none",
     "axes.axisbelow": True,
-} | dict.fromkeys(("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color", "axes.titlecolor"), INK)
+} | dict.fromkeys(
+    ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color", "axes.titlecolor"), INK
+)
 QUANTITIES = ("position", "velocity", "acceleration", "jerk")
-SAMPLES = 240
+OUT_OF_SIGHT = 0.3
+"""Where every method uses less than this share of a limit, the plot shows the motion and not the limit."""
 
 
 def _svg(figure: Figure, key: str, title: str, description: str) -> Markup:
@@ -49,21 +61,18 @@ def _svg(figure: Figure, key: str, title: str, description: str) -> Markup:
 
 def _figure(width: float, height: float) -> Figure:
     """Size in pixels of the page; an SVG has 72 units to the inch."""
-    return Figure(figsize=(width / 72, height / 72), layout="constrained")
+    return Figure(figsize=(width / 72, height / 72))
+
+
+def _margins(figure: Figure, left: float, right: float, bottom: float, top: float) -> None:
+    """Margins in pixels; a layout engine would measure every text and take as long as the drawing."""
+    width, height = 72 * figure.get_size_inches()
+    figure.subplots_adjust(left / width, bottom / height, 1 - right / width, 1 - top / height)
 
 
 def _grid(axes: Axes, axis: Any = "both") -> None:
     axes.grid(True, axis=axis, color=GRID, linewidth=0.8)
     axes.tick_params(length=0)
-
-
-@dataclass(frozen=True, eq=False)
-class Series:
-    """A method's motion under the name and style it has in the legend."""
-
-    label: str
-    style: int
-    motion: Motion
 
 
 def profile(key: str, problem: Problem, joint: int, unit: str, series: Sequence[Series]) -> Markup:
@@ -82,8 +91,9 @@ def profile(key: str, problem: Problem, joint: int, unit: str, series: Sequence[
     """
     name = problem.joint_names[joint]
     with mpl.rc_context(RC):
-        figure = _figure(390, 560)
-        panels = figure.subplots(4, 1, sharex=True)
+        figure = _figure(300 if problem.n_joints % 4 == 0 else 380, 620)
+        panels = figure.subplots(4, 1, sharex=True, gridspec_kw={"hspace": 0.24})
+        _margins(figure, 46, 6, 42, 22)
         for order, axes in enumerate(panels):
             _profile_panel(axes, problem, joint, order, series)
             axes.set_title(f"{QUANTITIES[order]}, {unit}{('', '/s', '/s²', '/s³')[order]}", loc="left")
@@ -100,9 +110,10 @@ def profile(key: str, problem: Problem, joint: int, unit: str, series: Sequence[
 
 def _profile_panel(axes: Axes, problem: Problem, joint: int, order: int, series: Sequence[Series]) -> None:
     _grid(axes)
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=5))
     peaks = []
     for one in series:
-        times = _times(one.motion)
+        times = sample_times(one.motion)
         values = one.motion(times, order)[:, joint]
         peaks.append(float(np.abs(values).max()))
         axes.plot(times, values, color=SERIES[one.style], linestyle=DASHES[one.style], linewidth=1.6)
@@ -112,7 +123,15 @@ def _profile_panel(axes: Axes, problem: Problem, joint: int, order: int, series:
         _shade(axes, low, high, *axes.get_ylim())
         return
     limit = float(problem.limits.rates[order - 1, joint])
-    top = 1.12 * (max(limit, min(max(peaks), 1.5 * limit)) if np.isfinite(limit) else _calm_top(peaks))
+    highest = max(peaks)
+    if not np.isfinite(limit):
+        highest = _calm_top(peaks)
+    elif highest < OUT_OF_SIGHT * limit:
+        note = f"limit ±{limit:.4g} is out of sight"
+        axes.annotate(note, (1.0, 1.0), xycoords="axes fraction", ha="right", va="bottom", color=MUTED, fontsize=10)
+    else:
+        highest = max(limit, min(highest, 1.5 * limit))
+    top = 1.12 * highest or 1.0
     _shade(axes, -limit, limit, -top, top)
 
 
@@ -130,85 +149,57 @@ def _shade(axes: Axes, low: float, high: float, bottom: float, top: float) -> No
             axes.axhline(limit, color=INK, linewidth=1.0)
 
 
-def _times(motion: Motion) -> Floats:
-    """Times to draw at; both sides of every knot, where a profile may step, as long as there are few."""
-    even = np.linspace(0.0, motion.duration, SAMPLES)
-    inner = motion.knots[1:-1] if len(motion.knots) < SAMPLES else np.empty(0)
-    return np.sort(np.concatenate([even, inner, inner * (1 - 1e-9)]))
-
-
-@dataclass(frozen=True, eq=False)
-class Convergence:
-    """Best feasible total time so far over the seeds of one search; arrays of shape (n_points,), s, NaN before any."""
-
-    label: str
-    style: int
-    evaluations: Floats
-    median: Floats
-    lower: Floats
-    upper: Floats
-
-
 def convergence(key: str, curves: Sequence[Convergence], reference: tuple[str, float] | None) -> Markup:
-    """Plot total time against evaluations: the median over seeds, the quartiles as a band."""
+    """Plot the time above the shortest known against evaluations: the median over seeds, the quartiles as a band.
+
+    Parameters
+    ----------
+    key : str
+    curves : sequence of Convergence
+    reference : tuple of name and time in s, optional
+        The deterministic optimum; a line where a search went below it.
+    """
+    ends = [float(np.nanmin(curve.lower)) for curve in curves if np.isfinite(curve.lower).any()]
+    shortest = min([*ends, *([reference[1]] if reference else [])], default=1.0)
     with mpl.rc_context(RC):
         figure = _figure(720, 380)
         axes = figure.subplots()
+        _margins(figure, 62, 12, 44, 10)
         _grid(axes)
         for curve in curves:
-            colour = SERIES[curve.style]
-            axes.fill_between(curve.evaluations, curve.lower, curve.upper, color=colour, alpha=0.15, linewidth=0, step="post")
-            axes.step(
-                curve.evaluations, curve.median, where="post", color=colour, linestyle=DASHES[curve.style],
-                marker=MARKERS[curve.style], markevery=(3 * curve.style, 24), markersize=5, linewidth=1.7,
-            )  # fmt: skip
-        if reference:
-            axes.axhline(reference[1], color=INK, linewidth=1.2)
-            axes.annotate(
-                f"{reference[0]}: {reference[1]:.4g} s", (0.995, reference[1]), xycoords=("axes fraction", "data"),
-                ha="right", va="bottom", textcoords="offset points", xytext=(0, 3), color=INK,
-            )  # fmt: skip
-        axes.set_xscale("log")
-        axes.set_ylim(*_converged_range(curves, reference))
-        axes.set(xlabel="curve evaluations", ylabel="best total time so far, s")
+            _converging(axes, curve, shortest)
+        if reference and reference[1] > shortest * (1 + FLOOR):
+            axes.axhline(_above(reference[1], shortest), color=INK, linewidth=1.2)
+        axes.set(xscale="log", yscale="log", xlabel="curve evaluations", ylabel="time above the shortest known")
+        axes.xaxis.set_major_formatter(lambda value, _: count(value))
+        axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
+        axes.minorticks_off()
         return _svg(
             figure,
             key,
             "Convergence of the searches",
-            "Best total time so far against curve evaluations, median and quartiles over seeds, for "
+            "Time above the shortest known against curve evaluations, median and quartiles over seeds, for "
             + ", ".join(curve.label for curve in curves)
             + ". The last values stand in the results table.",
         )
 
 
-def _converged_range(curves: Sequence[Convergence], reference: tuple[str, float] | None) -> tuple[float, float]:
-    """Range of time that shows the endings and the last two thirds of the way there."""
-    ends = [curve.median[-1] for curve in curves if np.isfinite(curve.median[-1])]
-    ends += [reference[1]] if reference else []
-    starts = [np.nanquantile(curve.upper, 0.8) for curve in curves if np.isfinite(curve.upper).any()]
-    if not ends:
-        return 0.0, 1.0
-    low, high = min(ends), max(ends + starts)
-    pad = 0.06 * max(high - low, 1e-3 * low)
-    return low - 2 * pad, high + pad
+FLOOR = 1e-6
+"""Share above the shortest time that counts as having reached it, so that a logarithm can be taken."""
 
 
-@dataclass(frozen=True)
-class Mark:
-    """One method in the headline figure: percent of time against the reference, and whether the judge accepts it."""
-
-    role: int
-    percent: float
-    feasible: bool
-    best_percent: float | None = None
+def _above(times: Any, shortest: float) -> Any:
+    return np.maximum(np.asarray(times) / shortest - 1.0, FLOOR)
 
 
-@dataclass(frozen=True)
-class HeadlineRow:
-    """One case of the headline figure."""
-
-    title: str
-    marks: tuple[Mark, ...]
+def _converging(axes: Axes, curve: Convergence, shortest: float) -> None:
+    colour = SERIES[curve.style]
+    lower, median, upper = (_above(line, shortest) for line in (curve.lower, curve.median, curve.upper))
+    axes.fill_between(curve.evaluations, lower, upper, color=colour, alpha=0.13, linewidth=0, step="post")
+    axes.step(
+        curve.evaluations, median, where="post", color=colour, linestyle=DASHES[curve.style],
+        marker=MARKERS[curve.style], markevery=(4 * curve.style, 28), markersize=5, linewidth=1.7,
+    )  # fmt: skip
 
 
 def headline(key: str, rows: Sequence[HeadlineRow], reference: str, width: float) -> Markup:
@@ -223,17 +214,20 @@ def headline(key: str, rows: Sequence[HeadlineRow], reference: str, width: float
     width : float, pixels
     """
     with mpl.rc_context(RC):
-        figure = _figure(width, 64 + 54 * len(rows))
+        figure = _figure(width, 60 + 66 * len(rows))
         axes = figure.subplots()
+        _margins(figure, 4, 4, 44, 4)
         _grid(axes, "x")
-        axes.axvline(0.0, color=INK, linewidth=1.4)
+        axes.axvline(1.0, color=INK, linewidth=1.4)
         for level, row in enumerate(rows):
             _headline_row(axes, level, row)
-        axes.set(ylim=(len(rows) - 0.4, -0.75), yticks=[], xlabel=f"time against {reference}")
-        axes.xaxis.set_major_formatter(lambda value, _: f"{value:+.0f} %" if value else "0 %")
-        axes.xaxis.set_major_locator(mpl.ticker.MaxNLocator(nbins=max(3, int(width / 110))))
+        axes.set_xscale("log")
+        axes.set(ylim=(len(rows) - 0.55, -0.8), yticks=[], xlabel=f"time against {reference}")
+        axes.set_xlim(*headline_range(rows, width))
+        shown = spaced_ticks(axes.get_xlim(), width)
+        axes.set_xticks(shown, [percent(ratio - 1).replace(".00", "").replace(".0", "") for ratio in shown])
+        axes.minorticks_off()
         axes.spines["left"].set_visible(False)
-        axes.margins(x=0.06)
         return _svg(
             figure,
             key,
@@ -243,47 +237,54 @@ def headline(key: str, rows: Sequence[HeadlineRow], reference: str, width: float
         )
 
 
+LANES = (-0.15, 0.0, -0.15, 0.17, 0.17)
+"""Height of every role above its case's line, so that level methods do not hide one another."""
+
+
 def _headline_row(axes: Axes, level: int, row: HeadlineRow) -> None:
     axes.annotate(
-        row.title, (0.0, level), xycoords=("axes fraction", "data"), xytext=(0, 13), textcoords="offset points",
+        row.title, (0.0, level), xycoords=("axes fraction", "data"), xytext=(0, 20), textcoords="offset points",
         fontweight="bold", va="bottom",
     )  # fmt: skip
     axes.axhline(level, color=GRID, linewidth=1.0)
     for mark in row.marks:
-        colour = SERIES[mark.role]
-        if mark.best_percent is not None:
-            axes.plot([mark.best_percent, mark.percent], [level, level], color=colour, linewidth=4, alpha=0.6)
+        colour, height = SERIES[mark.role], level + LANES[mark.role]
+        if mark.best_ratio is not None:
+            axes.plot([mark.best_ratio, mark.ratio], [height, height], color=colour, linewidth=4, alpha=0.6)
         axes.plot(
-            mark.percent, level, MARKERS[mark.role], markersize=9.5, markeredgecolor=colour, markeredgewidth=1.8,
+            mark.ratio, height, MARKERS[mark.role], markersize=9.0, markeredgecolor=colour, markeredgewidth=1.8,
             markerfacecolor=colour if mark.feasible else PAPER, clip_on=False,
         )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Bar:
-    """One rung of the ladder figure: a time with what stands over its bar and at its end."""
-
-    label: str
-    value: str
-    seconds: float
-    hatch: str
-    solid: bool
+        if mark.ratio != 1.0:
+            left = mark.ratio < 1.0 and mark.role > 0
+            axes.annotate(
+                percent(mark.ratio - 1), (mark.ratio, height), xytext=(-9 if left else 9, 0),
+                textcoords="offset points", va="center", ha="right" if left else "left", color=colour,
+            )  # fmt: skip
 
 
 def ladder(key: str, bars: Sequence[Bar]) -> Markup:
     """Plot the ladder of lost time as bars from zero, one under the other."""
     with mpl.rc_context(RC):
-        figure = _figure(720, 46 * len(bars) + 40)
+        figure = _figure(720, 46 * len(bars) + 52)
         axes = figure.subplots()
-        _grid(axes, "x")
+        _margins(figure, 6, 6, 42, 4)
+        axes.tick_params(length=0)
         longest = max(bar.seconds for bar in bars)
         for level, bar in enumerate(bars):
             axes.barh(
                 level, bar.seconds, height=0.42, facecolor=SERIES[0] if bar.solid else "none", edgecolor=SERIES[0] if not bar.hatch else INK,
-                hatch=bar.hatch, linestyle="-" if bar.solid else "--", linewidth=1.2, alpha=0.75,
+                hatch=bar.hatch, linestyle="-" if bar.solid else "--", linewidth=1.2, alpha=0.9,
             )  # fmt: skip
             axes.annotate(bar.label, (0.0, level - 0.24), xytext=(0, 2), textcoords="offset points", va="bottom")
-            axes.annotate(bar.value, (bar.seconds, level), xytext=(6, 0), textcoords="offset points", va="center", fontweight="bold")
+            axes.annotate(
+                bar.value,
+                (bar.seconds, level),
+                xytext=(6, 0),
+                textcoords="offset points",
+                va="center",
+                fontweight="bold",
+            )
         axes.set(xlim=(0, 1.34 * longest), ylim=(len(bars) - 0.5, -0.85), yticks=[], xlabel="total time, s")
         axes.spines["left"].set_visible(False)
         return _svg(
@@ -297,12 +298,13 @@ def ladder(key: str, bars: Sequence[Bar]) -> Markup:
 def segments(key: str, series: Sequence[Series]) -> Markup:
     """Plot how each motion spends its time between the waypoints, as bars cut at the waypoints."""
     with mpl.rc_context(RC):
-        figure = _figure(720, 46 * len(series) + 46)
+        figure = _figure(720, 46 * len(series) + 52)
         axes = figure.subplots()
+        _margins(figure, 6, 10, 42, 4)
         _grid(axes, "x")
         for level, one in enumerate(series):
             times = one.motion.waypoint_times
-            for k, (start, end) in enumerate(zip(times, times[1:], strict=False)):
+            for k, (start, end) in enumerate(pairwise(times)):
                 axes.barh(
                     level, end - start, left=start, height=0.44, facecolor=SERIES[one.style], edgecolor=PAPER,
                     linewidth=1.2, alpha=0.85 if k % 2 == 0 else 0.5, hatch="" if k % 2 == 0 else "///",
@@ -312,5 +314,8 @@ def segments(key: str, series: Sequence[Series]) -> Markup:
         axes.spines["left"].set_visible(False)
         methods = ", ".join(one.label for one in series)
         return _svg(
-            figure, key, "Time spent on every segment", f"Bars cut at the waypoints for {methods}; the table holds the same numbers."
+            figure,
+            key,
+            "Time spent on every segment",
+            f"Bars cut at the waypoints for {methods}; the table holds the same numbers.",
         )

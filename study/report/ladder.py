@@ -10,7 +10,8 @@ from study.report.featured import Featured
 from study.report.rows import CURVE, FREE_PATH, Entry
 from study.report.wording import plural
 
-FREE_CAUSES = {
+CAUSES = {
+    "toppra": "the path is given, but the speed along it is not tied to the form of the curve",
     "ruckig-stops": "the path between waypoints is free, but the arm stops at each of them",
     "ruckig-via": "the path between waypoints is free and the arm passes them in motion",
 }
@@ -30,9 +31,10 @@ class Rung:
     feasible : bool
     seconds : float, s
     change : float, optional, s
-        Against the rung before; None on the first.
+        On the paper's curve against the rung before; on another path against the deterministic optimum on the curve; of
+        a bound against the fastest rung. None on the first.
     cause : str
-        What makes the difference to the rung before.
+        What makes the difference.
     """
 
     name: str
@@ -45,7 +47,7 @@ class Rung:
 
     @property
     def relative(self) -> float | None:
-        """Change as a share of the rung before."""
+        """Change as a share of what it is a change from."""
         return None if self.change is None else self.change / (self.seconds - self.change)
 
 
@@ -57,10 +59,20 @@ def ladder_of(case: Case, entries: Sequence[Entry], best: Featured) -> tuple[Run
     rungs: list[Rung] = []
     for name, entry, seconds, cause in _steps(case, entries, best):
         if seconds is not None:
-            change = seconds - rungs[-1].seconds if rungs else None
-            feasible = entry.row.feasible or entry.motion is None and not entry.row.kind == "published"
-            rungs.append(Rung(name, entry.label, entry.path, feasible, seconds, change, cause))
+            change = seconds - _base(rungs, entry.path) if rungs else None
+            feasible = entry.row.feasible or name == "Lower bound"
+            rungs.append(
+                Rung(name, entry.label.removeprefix("published: "), entry.path, feasible, seconds, change, cause)
+            )
     return tuple(rungs) if len(rungs) > 1 else ()
+
+
+def _base(rungs: Sequence[Rung], path: str) -> float:
+    """What a new rung is compared with, s."""
+    on_curve = [rung.seconds for rung in rungs if rung.path == CURVE]
+    if path and on_curve:
+        return on_curve[-1]
+    return min(rung.seconds for rung in rungs if rung.feasible or rung is rungs[-1])
 
 
 def _steps(case: Case, entries: Sequence[Entry], best: Featured) -> Iterator[Step]:
@@ -69,14 +81,17 @@ def _steps(case: Case, entries: Sequence[Entry], best: Featured) -> Iterator[Ste
     yield from _search_steps(case, entries)
     if best.optimiser is not None:
         cause = "what the search leaves on the table: the optimiser, on the same curve"
-        yield "Deterministic optimum, same curve", best.optimiser, best.optimiser.duration, cause + _proof(best.optimiser)
-    if best.fixed is not None:
-        cause = "the path is given, the speed along it is free of the curve's form"
-        yield "Fixed path", best.fixed, best.fixed.duration, cause
-    free = [entry for entry in entries if entry.row.kind == "deterministic" and entry.path == FREE_PATH]
-    for entry in sorted(free, key=lambda entry: -(entry.row.median or 0.0)):
-        cause = FREE_CAUSES.get(entry.planner, "the path between waypoints is free")
-        yield "Free path", entry, entry.row.median, cause
+        yield (
+            "Deterministic optimum, same curve",
+            best.optimiser,
+            best.optimiser.duration,
+            cause + _proof(best.optimiser),
+        )
+    others = [entry for entry in entries if entry.row.kind == "deterministic" and entry.path == FREE_PATH]
+    others = [entry for entry in others if entry.row.feasible] + ([best.fixed] if best.fixed is not None else [])
+    for entry in sorted(others, key=lambda entry: -(entry.duration or 0.0)):
+        cause = CAUSES.get(entry.planner, "the path between waypoints is free")
+        yield entry.path.capitalize(), entry, entry.duration, cause
     for entry in entries:
         if entry.motion is None and entry.results:
             cause = "proved: no motion through the waypoints is faster"
@@ -88,7 +103,9 @@ def _search_steps(case: Case, entries: Sequence[Entry]) -> Iterator[Step]:
     searches = [entry for entry in entries if entry.row.kind == "search" and entry.row.feasible and entry.path == CURVE]
     shown = next((entry for entry in searches if entry.label == case.planner), None)
     if shown is not None:
-        runs = plural(shown.row.feasible_runs, "seed")
+        runs = plural(shown.row.runs, "seed")
+        if shown.row.feasible_runs < shown.row.runs:
+            runs = f"the {shown.row.feasible_runs} feasible of {runs}"
         cause = "our reading of the paper's method, every limit judged exactly"
         yield f"Reproduced, median of {runs}", shown, shown.row.median, cause
         if shown.row.feasible_runs > 1:
@@ -98,7 +115,7 @@ def _search_steps(case: Case, entries: Sequence[Entry]) -> Iterator[Step]:
     for rule, cause in rules.items():
         entry = min(_under(searches, rule), key=lambda one: one.row.best or 0.0, default=None)
         if entry is not None and entry is not shown:
-            yield f"Best search, {rule} durations", entry, entry.row.best, cause
+            yield f"Best of all searches and seeds, {rule} durations", entry, entry.row.best, cause
             shown = entry
 
 

@@ -15,14 +15,17 @@ from study.errors import StudyError
 from study.experiment.cases import Case
 from study.experiment.results import Result
 from study.judge import RATES, TOLERANCE
-from study.report import figures, wording
+from study.report import drawn, figures, wording
 from study.report.convergence import convergence_of
 from study.report.featured import ROLE_NAMES, ROLES, Featured, featured
 from study.report.ladder import Rung, ladder_of
-from study.report.papers import papers
+from study.report.papers import paper_of
 from study.report.rows import MEANING, Entry, entries_of
 from study.report.sentences import answer
-from study.report.tables import COLUMNS, raw, result_record, write_tables
+from study.report.tables import COLUMNS, Record, raw, result_record, write_tables
+
+TOO_LONG = 3.0
+"""A motion that takes so many times as long as the shortest would squeeze the others' profiles; it is left out of them."""
 
 HATCHES = {"paper's curve": "", "fixed path": "...", "free path": "///"}
 
@@ -74,7 +77,9 @@ def build_report(
         for name, text in pages.items():
             (out / f"{name}.html").write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
-        raise StudyError(f"the report cannot be written to {str(out)!r}: {error.strerror}; choose another folder") from None
+        raise StudyError(
+            f"the report cannot be written to {str(out)!r}: {error.strerror}; choose another folder"
+        ) from None
     return out / "index.html"
 
 
@@ -105,7 +110,8 @@ def _render(template: str, context: Mapping[str, object]) -> str:
         loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters |= {
-        name: getattr(wording, name) for name in ("seconds", "wall", "percent", "share", "count", "plural", "listed")
+        name: getattr(wording, name)
+        for name in ("seconds", "change", "wall", "percent", "share", "count", "plural", "listed")
     }
     source = {name: Markup(loader.get_source(environment, f"report.{name}")[0]) for name in ("css", "js")}  # noqa: S704
     shared = {"rates": RATES, "raw": raw, "columns": COLUMNS, "role_names": ROLE_NAMES, "meaning": MEANING}
@@ -116,16 +122,16 @@ def _index_page(reports: Sequence[CaseReport], environment: Mapping[str, str]) -
     rows = [headline_row(report) for report in reports]
     known = [row for row in rows if row is not None]
     reference = "the deterministic optimum on the same curve"
-    drawn = {
+    pictures = {
         name: figures.headline(f"headline-{name}", known, reference, width) if known else None
-        for name, width in (("wide", 860.0), ("narrow", 380.0))
+        for name, width in (("wide", 1040.0), ("narrow", 370.0))
     }
     return _render(
         "index.html.j2",
         {
             "reports": reports,
             "sentences": answer([report.best for report in reports]),
-            "headline": drawn,
+            "headline": pictures,
             "legend": [(ROLES.index(role), ROLE_NAMES[role]) for role in ROLES],
             "published": _published_count(reports),
             "environment": environment,
@@ -140,7 +146,7 @@ def _published_count(reports: Sequence[CaseReport]) -> tuple[int, int]:
     return len(judged), sum(row.feasible for row in judged)
 
 
-def headline_row(report: CaseReport) -> figures.HeadlineRow | None:
+def headline_row(report: CaseReport) -> drawn.HeadlineRow | None:
     """Place the featured methods of a case against its reference; None where there is nothing to measure against."""
     reference = report.best.reference
     if reference is None or not reference.duration:
@@ -149,24 +155,25 @@ def headline_row(report: CaseReport) -> figures.HeadlineRow | None:
     for style, role, entry in report.best.present():
         if entry.duration:
             best = entry.row.best if role == "search" else None
-            spread = None if best is None else 100 * (best / reference.duration - 1)
-            percent = 100 * (entry.duration / reference.duration - 1)
-            marks.append(figures.Mark(style, percent, entry.row.feasible, spread))
-    return figures.HeadlineRow(report.case.name, tuple(marks))
+            spread = None if best is None else best / reference.duration
+            marks.append(drawn.Mark(style, entry.duration / reference.duration, entry.row.feasible, spread))
+    return drawn.HeadlineRow(report.case.name, tuple(marks))
 
 
 def _case_page(report: CaseReport, environment: Mapping[str, str]) -> str:
     series = [
-        figures.Series(entry.label, style, entry.motion)
+        drawn.Series(entry.label, style, entry.motion)
         for style, _, entry in report.best.present()
         if entry.motion is not None
     ]
     problem = report.case.problem
-    drawn = {
+    shortest = min((one.motion.duration for one in series), default=0.0)
+    near = [one for one in series if one.motion.duration <= TOO_LONG * shortest]
+    pictures = {
         "profiles": [
-            figures.profile(f"profile-{joint}", problem, joint, report.case.units[joint], series)
+            figures.profile(f"profile-{joint}", problem, joint, report.case.units[joint], near)
             for joint in range(problem.n_joints)
-            if series
+            if near
         ],
         "segments": figures.segments("segments", series) if series else None,
         "ladder": _ladder_figure(report.rungs),
@@ -177,25 +184,44 @@ def _case_page(report: CaseReport, environment: Mapping[str, str]) -> str:
             "report": report,
             "case": report.case,
             "problem": problem,
-            "paper": papers().get(report.case.paper),
-            "records": [(entry, result_record(report.case, entry)) for entry in report.entries if entry.row.joint is None],
+            "paper": paper_of(report.case.paper),
+            "groups": _groups(report),
             "single": [entry for entry in report.entries if entry.row.joint is not None],
             "featured": report.best.present(),
             "series": series,
-            "figures": drawn,
+            "near": near,
+            "left_out": [one for one in series if one not in near],
+            "figures": pictures,
             "convergence": convergence_of(report.case, report.entries, report.best),
             "tolerance": TOLERANCE,
             "infinity": float("inf"),
-            "ledger": (),
             "environment": environment,
         },
     )
 
 
+def _groups(report: CaseReport) -> list[tuple[str, str, list[tuple[Entry, Record]]]]:
+    """Rows of the results table in the groups that sorting keeps apart: feasible, infeasible, never judged."""
+    whole = [(entry, result_record(report.case, entry)) for entry in report.entries if entry.row.joint is None]
+    return [
+        ("feasible", "", [pair for pair in whole if pair[0].row.feasible]),
+        (
+            "infeasible",
+            "Infeasible: a limit is broken, or no motion was found",
+            [pair for pair in whole if not pair[0].row.feasible and pair[0].row.representative],
+        ),
+        (
+            "unjudged",
+            "Printed without segment durations: nothing to judge",
+            [pair for pair in whole if pair[0].row.representative is None],
+        ),
+    ]
+
+
 def _ladder_figure(rungs: Sequence[Rung]) -> Markup | None:
     bars = [
-        figures.Bar(
-            f"{rung.name}: {rung.method}" + (f" ({rung.path})" if rung.path and not rung.path.startswith("paper") else ""),
+        drawn.Bar(
+            f"{rung.name}: {rung.method}",
             wording.seconds(rung.seconds)
             + (f"  ({wording.percent(rung.relative)})" if rung.relative is not None else "")
             + ("" if rung.feasible else "  infeasible"),

@@ -1,22 +1,34 @@
-"""Which paper a case comes from and what that paper asks: `data/papers.yaml`."""
+"""Where the papers are and what they ask: `data/papers.yaml`, beside their citations."""
 
 from __future__ import annotations
 
-from functools import cache
+from dataclasses import dataclass
 
 from study.datafiles import Strict, checked, data_folder, read_yaml
+from study.experiment.ledger import Entry, ledger
+from study.experiment.published import papers
 
 
-class Paper(Strict):
-    """How to cite a paper, and its question in our words."""
-
-    citation: str
+class _Question(Strict):
     doi: str
     question: str
 
 
-@cache
-def papers() -> dict[str, Paper]:
-    """Read all papers by key."""
+@dataclass(frozen=True)
+class Paper:
+    """What the report says of a paper: its question in our words, where it is, and our findings in it."""
+
+    citation: str
+    doi: str
+    question: str
+    ledger: tuple[Entry, ...]
+
+
+def paper_of(key: str) -> Paper | None:
+    """Look a paper up; None for a key that is not one of the papers, such as that of a user's own case."""
     path = data_folder() / "papers.yaml"
-    return {key: checked(Paper, value, f"file {path.name!r}: {key}") for key, value in read_yaml(path).items()}
+    questions = read_yaml(path)
+    if key not in questions or key not in papers():
+        return None
+    asked = checked(_Question, questions[key], f"file {path.name!r}: {key}")
+    return Paper(papers()[key], asked.doi, asked.question, ledger(key))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 
@@ -34,6 +35,8 @@ class Entry:
         A key of `MEANING`, or empty where there is no motion.
     rank : int, optional
         Place among the feasible methods; None for an infeasible one and for single joints.
+    gap : float, optional
+        Median over the shortest feasible time known for the same kind of path, minus one.
     results : tuple of Result
         All runs, by seed; empty for a published row.
     """
@@ -41,6 +44,7 @@ class Entry:
     row: Row
     path: str
     rank: int | None
+    gap: float | None
     results: tuple[Result, ...]
 
     @property
@@ -74,15 +78,21 @@ def entries_of(case: Case, results: Sequence[Result]) -> tuple[Entry, ...]:
         Those of other cases are passed over.
     """
     own = sorted((one for one in results if one.cell.case == case.name), key=lambda one: one.cell.settings.seed)
-    places = iter(range(1, len(own) + len(case.published) + 2))
+    rows = [(row, path_of(case, row)) for row in case_rows(case, own)]
+    shortest: dict[str, float] = {}
+    for row, path in rows:
+        if row.best is not None and row.joint is None:
+            shortest[path] = min(row.best, shortest.get(path, row.best))
+    places = count(1)
     return tuple(
         Entry(
             row,
-            path_of(case, row),
-            next(places) if row.feasible and row.joint is None else None,
-            tuple(one for one in own if one.cell.label == row.label),
+            path,
+            rank=next(places) if row.feasible and row.joint is None else None,
+            gap=row.median / shortest[path] - 1.0 if row.median is not None and row.joint is None else None,
+            results=tuple(one for one in own if one.cell.label == row.label),
         )
-        for row in case_rows(case, own)
+        for row, path in rows
     )
 
 

@@ -45,7 +45,7 @@ def themed(raw: str, key: str, title: str, description: str) -> Markup:
     width, height = (view[1], view[2]) if view else ("400", "300")
     opening = (
         f'<svg xmlns:xlink="http://www.w3.org/1999/xlink" xmlns="http://www.w3.org/2000/svg" '
-        f'viewBox="0 0 {width} {height}" role="img" aria-labelledby="{key}-title {key}-desc" style="max-width:{width}px">'
+        f'viewBox="0 0 {width} {height}" role="img" aria-labelledby="{key}-title {key}-desc" style="max-width:{float(width) * 1.25:.0f}px">'
         f'<title id="{key}-title">{escape(title)}</title><desc id="{key}-desc">{escape(description)}</desc>'
     )
     inside = _own_ids(body[body.index(">") + 1 :], key)

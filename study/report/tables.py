@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import pandas as pd
@@ -13,7 +14,7 @@ from study.experiment.cases import Case
 from study.experiment.lineup import QUICK_EVALUATIONS
 from study.judge import RATES
 from study.report.rows import Entry
-from study.report.wording import DASH, count, percent, seconds, share, wall
+from study.report.wording import DASH, bare_seconds, count, percent, share, wall
 
 Value = str | int | float | bool | None
 Record = dict[str, Value]
@@ -41,15 +42,32 @@ def _number(form: Callable[[float | None], str]) -> Callable[[Value], str]:
 COLUMNS = (
     Column("rank", "#", "place among feasible methods, by median time", _plain),
     Column("method", "Method", "planner and, after a colon, how it differs from the paper's own way", _plain, False),
-    Column("kind", "Kind", "search, deterministic or published", _plain, False),
+    Column("kind", "Kind", "search (with a seed), deterministic or published", _plain, False),
     Column("path", "Path", "what the method was free to change", _plain, False),
-    Column("median_s", "Median", "median time over feasible runs; of an infeasible method the time of its motion", _number(seconds)),
-    Column("best_s", "Best", "shortest time of a feasible run", _number(seconds)),
-    Column("gap", "Gap", "median above the shortest feasible time known for the case, of any freedom", _number(percent)),
+    Column(
+        "median_s",
+        "Median, s",
+        "median time over feasible runs; of an infeasible method the time of its motion",
+        _number(bare_seconds),
+    ),
+    Column("best_s", "Best, s", "shortest time of a feasible run", _number(bare_seconds)),
+    Column(
+        "gap_same_path",
+        "Gap",
+        "median above the shortest feasible time known for the same kind of path",
+        _number(percent),
+    ),
     Column("feasible", "Feasible", "runs that passed the judge, of all runs (one for each seed)", _plain, False),
     Column("worst_ratio", "Limit use", "largest peak over its limit; above 1 a limit is broken", _number(share)),
-    Column("evaluations", "Evaluations", "curve evaluations of a search, median over runs", _number(lambda v: count(v) if v else DASH)),
-    Column("wall_s", "Wall time", "computing time of the planner, median over runs", _number(lambda v: wall(v) if v else DASH)),
+    Column(
+        "evaluations",
+        "Evals",
+        "curve evaluations of a search, median over runs",
+        _number(lambda v: count(v) if v else DASH),
+    ),
+    Column(
+        "wall_s", "Wall", "computing time of the planner, median over runs", _number(lambda v: wall(v) if v else DASH)
+    ),
 )
 
 
@@ -62,8 +80,10 @@ def command(case: Case, entry: Entry) -> str:
     if entry.row.kind == "search":
         seeds = max(one.cell.settings.seed for one in entry.results) + 1
         parts += ["--seeds", str(seeds)]
-        if settings.evaluations != QUICK_EVALUATIONS and settings.evaluations == case.settings.evaluations:
+        if settings.evaluations == case.settings.evaluations:
             parts.append("--full")
+        elif settings.evaluations != QUICK_EVALUATIONS:
+            parts += ["--evaluations", str(settings.evaluations)]
     return shlex.join(parts)
 
 
@@ -78,7 +98,8 @@ def result_record(case: Case, entry: Entry) -> Record:
         "path": entry.path,
         "median_s": _float(entry.duration),
         "best_s": _float(row.best),
-        "gap": _float(row.gap),
+        "gap_same_path": _float(entry.gap),
+        "gap_any_path": _float(row.gap),
         "feasible": f"{row.feasible_runs}/{row.runs}",
         "runs": row.runs,
         "feasible_runs": row.feasible_runs,
@@ -143,7 +164,7 @@ def segment_records(case: Case, entry: Entry) -> list[Record]:
     times = entry.motion.waypoint_times
     return [
         {"case": case.name, "method": entry.label, "segment": k + 1, "start_s": float(a), "duration_s": float(b - a)}
-        for k, (a, b) in enumerate(zip(times, times[1:], strict=False))
+        for k, (a, b) in enumerate(pairwise(times))
     ]
 
 

@@ -13,6 +13,13 @@ def seconds(value: float | None) -> str:
     return DASH if value is None or not math.isfinite(value) else f"{value:.4f} s"
 
 
+def change(value: float | None) -> str:
+    """Difference of times, with its sign."""
+    if value is None or not math.isfinite(value):
+        return DASH
+    return "0 s" if abs(value) < 5e-5 else f"{value:+.4f} s".replace("-", "−")
+
+
 def wall(value: float | None) -> str:
     """Wall time in the unit that suits it."""
     if value is None or not math.isfinite(value):
@@ -22,6 +29,11 @@ def wall(value: float | None) -> str:
     return f"{value:.3g} s" if value < 100 else f"{value:.0f} s"
 
 
+def bare_seconds(value: float | None) -> str:
+    """Time without its unit, for a column that names it."""
+    return seconds(value).removesuffix(" s")
+
+
 def percent(fraction: float | None, signed: bool = True) -> str:
     """Fraction as a percentage: two digits after the point below ten percent, one above."""
     if fraction is None or not math.isfinite(fraction):
@@ -29,7 +41,7 @@ def percent(fraction: float | None, signed: bool = True) -> str:
     value = 100.0 * fraction
     digits = 2 if abs(value) < 9.995 else 1
     if 1e-4 <= abs(value) < 0.005:
-        return "< 0.01 %" if value > 0 else "> −0.01 %"
+        return "≈ 0 %"
     text = f"{value:+.{digits}f}" if signed else f"{value:.{digits}f}"
     return "0 %" if float(text) == 0 else text.replace("-", "−") + " %"
 
@@ -38,7 +50,7 @@ def share(ratio: float | None) -> str:
     """Share of a limit, with the digits that show a small excess."""
     if ratio is None or not math.isfinite(ratio):
         return DASH
-    return f"{ratio:.4f}" if abs(ratio - 1) > 5e-5 or abs(ratio - 1) < 1e-6 else f"{ratio:.6f}"
+    return f"{ratio:.6f}" if 1e-6 < ratio - 1 < 5e-5 else f"{ratio:.4f}"
 
 
 def count(value: float | None) -> str:
