@@ -59,6 +59,25 @@ def test_cubic_spline_equals_scipy_clamped():
             assert motion(t[1:-1], order) == pytest.approx(peer(t[1:-1], order), abs=1e-9)
 
 
+@pytest.mark.parametrize("n_waypoints", [3, 4, 9])
+def test_smooth_spline_starts_and_ends_unaccelerated_and_stays_twice_differentiable(n_waypoints):
+    rng = np.random.default_rng(9)
+    waypoints, durations = rng.normal(size=(n_waypoints, 2)), rng.uniform(0.5, 2.0, n_waypoints - 1)
+    motion = CURVES["cubic-spline-smooth"].motion(waypoints, durations)
+    assert motion.duration == pytest.approx(durations.sum())
+    assert motion(motion.waypoint_times) == pytest.approx(waypoints, abs=1e-10)
+    ends = np.array([0.0, motion.duration])
+    for order in (1, 2):
+        assert motion(ends, order) == pytest.approx(0, abs=1e-8)
+    for order in range(3):
+        assert motion.jumps(order) == pytest.approx(0, abs=1e-8)
+
+
+def test_smooth_spline_needs_three_waypoints():
+    with pytest.raises(StudyError, match="at least 3 waypoints"):
+        CURVES["cubic-spline-smooth"].motion(np.array([[0.0], [1.0]]), np.ones(1))
+
+
 def test_bspline_passes_the_waypoints_moving_but_unaccelerated():
     rng = np.random.default_rng(5)
     waypoints, durations = drawn("bspline", rng)
@@ -141,5 +160,6 @@ def test_families_state_their_ends():
     assert {c.name: c.end for c in CURVES.values()} == {
         "poly353": EndCondition.SMOOTH,
         "cubic-spline": EndCondition.REST,
+        "cubic-spline-smooth": EndCondition.SMOOTH,
         "bspline": EndCondition.FREE,
     }

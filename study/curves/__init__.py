@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from study.curves import bspline, cubic_spline, poly353
+from study.curves import bspline, cubic_spline, cubic_spline_smooth, poly353
 from study.errors import StudyError, unknown
 from study.problem import EndCondition, Floats
 from study.trajectory import Motion, Trajectory
@@ -43,16 +43,30 @@ class Curve:
 
 def _polynomial_motion(unit_coefficients: Callable[[Floats, Floats], Floats]) -> Callable[[Floats, Floats], Motion]:
     def motion(waypoints: Floats, durations: Floats) -> Motion:
-        durations = np.asarray(durations, dtype=float)
-        if durations.shape != (len(waypoints) - 1,) or not (durations > 0).all():
-            raise StudyError(
-                f"durations must be {len(waypoints) - 1} positive numbers, one for each segment, got {durations.tolist()}"
-            )
+        durations = _checked(waypoints, durations)
         unit = np.moveaxis(unit_coefficients(waypoints, durations[None])[0], 1, 2)
         powers = durations[:, None] ** np.arange(unit.shape[1])
         return Trajectory.from_pieces(durations, unit / powers[:, :, None])
 
     return motion
+
+
+def _smooth_spline_motion(waypoints: Floats, durations: Floats) -> Motion:
+    durations = _checked(waypoints, durations)
+    pieces = cubic_spline_smooth.halved(durations[None])[0]
+    unit = np.moveaxis(cubic_spline_smooth.unit_coefficients(waypoints, durations[None])[0], 1, 2)
+    counts = np.ones(len(durations), dtype=int)
+    counts[[0, -1]] = 2
+    return Trajectory.from_pieces(pieces, unit / (pieces[:, None] ** np.arange(4))[:, :, None], counts)
+
+
+def _checked(waypoints: Floats, durations: Floats) -> Floats:
+    durations = np.asarray(durations, dtype=float)
+    if durations.shape != (len(waypoints) - 1,) or not (durations > 0).all():
+        raise StudyError(
+            f"durations must be {len(waypoints) - 1} positive numbers, one for each segment, got {durations.tolist()}"
+        )
+    return durations
 
 
 CURVES = {
@@ -62,6 +76,7 @@ CURVES = {
         Curve(
             "cubic-spline", EndCondition.REST, cubic_spline.peaks, _polynomial_motion(cubic_spline.unit_coefficients)
         ),
+        Curve("cubic-spline-smooth", EndCondition.SMOOTH, cubic_spline_smooth.peaks, _smooth_spline_motion),
         Curve("bspline", EndCondition.FREE, bspline.peaks, bspline.trajectory),
     )
 }
