@@ -73,7 +73,7 @@ class Mover:
         self._input = ruckig.InputParameter(limits.n_joints)
         self._output = ruckig.Trajectory(limits.n_joints)
         self._solver = ruckig.Ruckig(limits.n_joints)
-        self._solved, self._error = ruckig.Result.Working, ruckig.RuckigError
+        self._solved, self._error = (ruckig.Result.Working, ruckig.Result.Finished), ruckig.RuckigError
         self._input.max_velocity = limits.velocity.tolist()
         self._input.max_acceleration = limits.acceleration.tolist()
         self._input.max_jerk = limits.jerk.tolist()
@@ -85,13 +85,15 @@ class Mover:
         given.current_velocity, given.target_velocity = start.velocity.tolist(), end.velocity.tolist()
         given.current_acceleration, given.target_acceleration = start.acceleration.tolist(), end.acceleration.tolist()
         try:
-            return bool(self._solver.calculate(given, self._output) == self._solved)
+            return self._solver.calculate(given, self._output) in self._solved
         except (self._error, ValueError):  # ValueError: a result code that its Python enumeration lacks
             return False
 
-    def duration(self, start: State, end: State) -> float:
-        """Minimum time of one move, s; infinite where Ruckig finds none."""
-        return float(self._output.duration) if self.solve(start, end) else np.inf
+    def times(self, start: State, end: State) -> tuple[float, Floats]:
+        """Minimum time of one move and of every joint alone, shape (n_joints,), s; infinite where Ruckig finds none."""
+        if not self.solve(start, end):
+            return np.inf, np.full(len(start.position), np.inf)
+        return float(self._output.duration), np.array(self._output.independent_min_durations)
 
     def pieces(self, start: State, end: State) -> tuple[Floats, Floats]:
         """Solve one move and read it as cubic pieces.
