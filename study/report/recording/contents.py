@@ -205,8 +205,8 @@ def method_colors(labels: Sequence[str], first: Sequence[str] = ()) -> dict[str,
 def sample_times(motion: Motion, samples: int) -> np.ndarray:
     """Whole nanoseconds at which a motion is written down.
 
-    Evenly spaced samples, the exact peaks of position, velocity, acceleration and jerk, and for every knot the last
-    nanosecond before and the first after it, so that a step is drawn as a step.
+    Evenly spaced samples, the exact peaks of position, velocity, acceleration and jerk, and every knot with a
+    nanosecond before and one after it, so that a step is drawn as a step.
 
     Parameters
     ----------
@@ -219,9 +219,9 @@ def sample_times(motion: Motion, samples: int) -> np.ndarray:
     """
     peaks = [times for order in range(4) for times in motion.extrema(order)[1::2]]
     end = int(np.floor(motion.duration / NANOSECOND))
-    knots = np.floor(motion.knots / NANOSECOND)
+    knots = np.rint(motion.knots / NANOSECOND)
     even = np.linspace(0.0, end, samples)
-    times = np.concatenate([np.rint(even), knots, knots[:-1] + 1, np.rint(np.concatenate(peaks) / NANOSECOND)])
+    times = np.concatenate([np.rint(even), knots - 1, knots, knots + 1, np.rint(np.concatenate(peaks) / NANOSECOND)])
     return np.unique(np.clip(times, 0, end).astype(np.int64))
 
 

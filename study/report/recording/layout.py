@@ -14,7 +14,7 @@ from study.report.recording.contents import Contents, Shown
 from study.report.recording.pictures import Bounds, bars_bounds, curves_bounds, key_bounds
 from study.report.recording.scene import Scene
 from study.report.recording.signals import limit_values
-from study.report.recording.stream import EVALUATION, SIGNALS, TIMELINE, entity
+from study.report.recording.stream import EVALUATION, SIGNALS, TIMELINE, entity, method
 from study.report.recording.summary import history, ladder_bars
 
 TITLES = ("Position", "Velocity", "Acceleration", "Jerk")
@@ -79,7 +79,7 @@ def _plot(contents: Contents, order: int, joint: int, only: Sequence[Shown] = ()
     case = contents.case
     joint_name = case.problem.joint_names[joint]
     unit = case.units[joint] + ("", "/s", "/s²", "/s³")[order]
-    within = [f"+ {entity(SIGNALS[order], joint_name, one.label)}/**" for one in only]
+    within = [f"+ {entity(SIGNALS[order], joint_name, method(one.label))}/**" for one in only]
     limit = f"+ {entity(SIGNALS[order], joint_name, '_limit')}"
     return rrb.TimeSeriesView(
         name=f"{TITLES[order]} of {joint_name}, {unit}",
@@ -108,7 +108,7 @@ def _axis(case: Case, order: int, joint: int) -> rrb.ScalarAxis | None:
 def _arm(one: Shown, scene: Scene) -> rrb.Spatial3DView:
     """Look at one method's arm; every arm is seen from the same place."""
     eye = rrb.EyeControls3D(position=scene.eye, look_target=scene.target, eye_up=(0.0, 0.0, 1.0))
-    return rrb.Spatial3DView(name=one.title, origin=entity("arms", one.label), eye_controls=eye)
+    return rrb.Spatial3DView(name=one.title, origin=entity("arms", method(one.label)), eye_controls=eye)
 
 
 def _drawing(name: str, origin: str, bounds: Bounds) -> rrb.Spatial2DView:

@@ -13,7 +13,7 @@ import numpy as np
 import rerun as rr
 
 from study.problem import Floats
-from study.report.recording.stream import entity
+from study.report.recording.stream import entity, method
 
 Color = tuple[int, int, int]
 Bounds = tuple[tuple[float, float], tuple[float, float]]
@@ -72,7 +72,7 @@ def log_curves(stream: rr.RecordingStream, where: str, lines: Sequence[Line]) ->
     corners = [_stairs(_on_paper(line.points, low, high)) for line in lines]
     heights = _spread(np.array([points[-1, 1] for points in corners]))
     for line, points, height in zip(lines, corners, heights, strict=True):
-        path = entity(where, line.name)
+        path = entity(where, method(line.name))
         stream.log(path, rr.LineStrips2D([points], colors=line.color, radii=1.2), static=True)
         leader = [points[-1], [PLOT[0], points[-1, 1]], [PLOT[0] + 30.0, height]]
         faded = [channel // 2 for channel in line.color]

@@ -10,7 +10,7 @@ import rerun as rr
 
 from study.problem import Floats
 from study.report.recording.contents import NANOSECOND, Contents, Shown, seconds
-from study.report.recording.stream import entity, time_column
+from study.report.recording.stream import entity, method, time_column
 from study.robots import Robot, robot_named
 
 SLOW_TO_FAST = np.array(
@@ -52,7 +52,7 @@ def log_scene(stream: rr.RecordingStream, contents: Contents) -> Scene | None:
     fastest = max(float(arm.speeds.max()) for arm in arms)
     stream.log("arms", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     for arm in arms:
-        path = entity("arms", arm.one.label)
+        path = entity("arms", method(arm.one.label))
         _log_links(stream, path, arm, 0.016 * reach)
         _log_path(stream, path, arm, fastest, 0.004 * reach)
     return _looking(points, np.concatenate([arm.chain[:, -1] for arm in arms]))

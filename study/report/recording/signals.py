@@ -11,7 +11,7 @@ from study.problem import Floats
 from study.report.activity import Use, lane
 from study.report.recording.contents import NANOSECOND, PALETTE, Contents, Shown, sample_times, seconds
 from study.report.recording.pictures import log_key
-from study.report.recording.stream import LIMIT_COLOR, SIGNALS, entity, time_column
+from study.report.recording.stream import LIMIT_COLOR, SIGNALS, entity, method, time_column
 from study.trajectory import Motion
 
 SEVERAL = (200, 200, 200)
@@ -30,7 +30,7 @@ def log_signals(stream: rr.RecordingStream, contents: Contents) -> None:
         for order, signal in enumerate(SIGNALS):
             values = one.motion(seconds(times), order)
             for joint, name in enumerate(names):
-                path = entity(signal, name, one.label)
+                path = entity(signal, name, method(one.label))
                 stream.log(path, rr.SeriesLines(names=one.label, colors=one.color, widths=1.5), static=True)
                 stream.send_columns(path, time_column(times), rr.Scalars.columns(scalars=values[:, joint]))
         _log_marks(stream, contents, one)
@@ -44,7 +44,7 @@ def log_activity(stream: rr.RecordingStream, contents: Contents) -> None:
         for order, rate in enumerate(RATES, start=1):
             changes = lane(one.uses, order, names)
             texts = [text for _, text in changes]
-            path = entity("activity", rate, one.label)
+            path = entity("activity", rate, method(one.label))
             shown = sorted({text for text in texts if text})
             if not shown:
                 continue
@@ -87,7 +87,7 @@ def _log_marks(stream: rr.RecordingStream, contents: Contents, one: Shown) -> No
             if not uses:
                 continue
             times = _mark_times(uses, one.motion)
-            path = entity(signal, name, one.label, "saturated")
+            path = entity(signal, name, method(one.label), "saturated")
             style = rr.SeriesPoints(
                 names=f"{one.label} at its limit", colors=one.color, markers="diamond", marker_sizes=4.0
             )

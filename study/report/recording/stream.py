@@ -23,6 +23,11 @@ def entity(*parts: str) -> str:
     return rr.new_entity_path([part or "unnamed" for part in parts])
 
 
+def method(label: str) -> str:
+    """Part of an entity path for a method; a leading underscore is kept for what is no method, such as limits."""
+    return f"method {label}" if label.startswith("_") else label
+
+
 def time_column(times: np.ndarray) -> list[rr.TimeColumn]:
     """Index of whole nanoseconds on the timeline `t`."""
     return [rr.TimeColumn(TIMELINE, duration=np.asarray(times, dtype=np.int64).astype("timedelta64[ns]"))]
@@ -56,11 +61,11 @@ def recording_file(path: Path, recording: str) -> Iterator[rr.RecordingStream]:
         raise StudyError(f"recording {path}: cannot be written: {error.strerror}; choose another folder") from None
     try:
         with strict(), rr.RecordingStream(APPLICATION, recording_id=recording, send_properties=False) as stream:
+            if not rr.is_enabled(stream):
+                raise StudyError(f"recording {path}: rerun is switched off; unset the environment variable RERUN")
             stream.save(partial)
             rr.set_log_time_enabled(False, recording=stream)
             yield stream
-        if not partial.stat().st_size:
-            raise StudyError(f"recording {path}: rerun wrote nothing; unset the environment variable RERUN (off)")
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)

@@ -12,7 +12,7 @@ from study.problem import Floats
 from study.report.ladder import Rung, ladder_of
 from study.report.recording.contents import Contents
 from study.report.recording.pictures import GREY, Bar, Line, log_bars, log_curves
-from study.report.recording.stream import EVALUATION, entity
+from study.report.recording.stream import EVALUATION, entity, method
 from study.report.rows import Entry
 from study.report.wording import DASH, count, percent, seconds
 
@@ -84,10 +84,10 @@ def log_convergence(stream: rr.RecordingStream, contents: Contents) -> None:
         if not len(values):
             continue
         color = colors.get(entry.label, GREY)
-        _log_series(stream, entity("convergence", "value", entry.label), (counts, values), color)
+        _log_series(stream, entity("convergence", "value", method(entry.label)), (counts, values), color)
         if np.isfinite(contents.best):
             gaps = log_gaps(values, contents.best)
-            _log_series(stream, entity("convergence", "gap", entry.label), (counts, gaps), color)
+            _log_series(stream, entity("convergence", "gap", method(entry.label)), (counts, gaps), color)
             lines.append(Line(entry.label, np.column_stack([np.log10(counts), gaps]), color))
     if lines:
         log_curves(stream, "convergence_curves", [*lines, *_references(contents, lines)])

@@ -36,7 +36,7 @@ def view(path: Path) -> None:
     _existing(path)
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise StudyError(f"cannot show {path}: there is no display here; copy the file to a desktop and open it there")
-    with _private_environment() as (program, environment):
+    with private_environment() as (program, environment):
         command = [program, str(path.resolve()), "--bind", LOOPBACK, "--port", "auto", "--hide-welcome-screen"]
         try:
             ended = subprocess.run(command, env=environment, stderr=subprocess.PIPE, text=True, check=False)  # noqa: S603
@@ -87,7 +87,7 @@ def headless(recording: Path, size: tuple[int, int] = (1920, 1080), patience: fl
         If the recording is missing or the viewer does not come up.
     """
     _existing(recording)
-    with _private_environment() as (program, environment), tempfile.TemporaryFile("w+") as log:
+    with private_environment() as (program, environment), tempfile.TemporaryFile("w+") as log:
         port = _free_port()
         command = [program, "--headless", "--window-size", f"{size[0]}x{size[1]}", "--hide-welcome-screen"]
         command += ["--bind", LOOPBACK, "--port", str(port)]
@@ -146,7 +146,7 @@ def _display_name(part: dict[str, dict[str, Any]]) -> str:
 
 
 @contextmanager
-def _private_environment() -> Iterator[tuple[str, dict[str, str]]]:
+def private_environment() -> Iterator[tuple[str, dict[str, str]]]:
     """The viewer's program, and an environment in which its usage statistics are off without touching the user's own."""
     found = importlib.util.find_spec("rerun_cli")
     program = (
