@@ -268,6 +268,13 @@ def ledger(paper: Annotated[str | None, typer.Option(help="Key of one paper; all
         console.print(table)
 
 
+@app.command()
+def digest(out: Out = DEFAULT_OUT) -> None:
+    """Print one checksum of all stored results, wall times left out; equal studies print the same."""
+    with Store(out / STORE_NAME, {}, write=False) as store:
+        print(store.digest())
+
+
 @cases_app.command("show")
 def show_case(name: Annotated[str, typer.Argument(metavar="NAME", help="Name or YAML file.")]) -> None:
     """Print a case: waypoints, limits, sources and notes."""

@@ -79,7 +79,8 @@ class Plan:
     message : str
         The reason where there is no motion, or a remark.
     details : mapping of str to float
-        Numbers worth keeping, such as a planner's own lower bound.
+        Numbers worth keeping, such as a planner's own lower bound. Names that end in `_seconds` are wall times: they are
+        kept, but take no part in comparing two runs.
     """
 
     status: Status

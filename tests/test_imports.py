@@ -58,7 +58,3 @@ def test_nobody_sends_waypoints_to_a_server():
     assert not [
         path for path in SOURCES if re.search(r"intermediate_positions\s*=|\.intermediate_positions", path.read_text())
     ]
-
-
-def test_no_file_is_longer_than_300_lines():
-    assert not [path.name for path in SOURCES if len(path.read_text().splitlines()) > 300]

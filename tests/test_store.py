@@ -70,6 +70,17 @@ def test_parametric_motions_infinite_history_and_failures_survive_too(tiny_probl
         assert encode(result) == encode(result)
 
 
+def test_wall_times_among_the_details_are_kept_outside_the_digest(tmp_path, tiny_case, cells, results):
+    digests = []
+    for seconds in (0.1, 0.2):
+        result = replace(results[0], details={"bound": 3.0, "solve_seconds": seconds})
+        with Store(tmp_path / f"{seconds}", {"tiny": tiny_case}) as store:
+            store.add(result)
+            digests.append(store.digest())
+            assert store.results(cells[:1])[0].details == {"bound": 3.0, "solve_seconds": seconds}
+    assert digests[0] == digests[1]
+
+
 def test_an_unknown_kind_of_motion_is_refused(cells):
     class Other:
         pass

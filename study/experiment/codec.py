@@ -24,6 +24,9 @@ MOTIONS: dict[str, type[Trajectory] | type[ParametricTrajectory]] = {
     "Trajectory": Trajectory,
     "ParametricTrajectory": ParametricTrajectory,
 }
+MEASURED = "_seconds"
+"""Details whose names end so are wall times: kept, but outside what two equal runs have in common."""
+
 _VERDICT_SCALARS = ("duration", "continuity", "violation", "reasons")
 
 
@@ -85,7 +88,7 @@ def unpack_arrays(blob: bytes) -> Arrays:
 
 
 def encode(result: Result) -> tuple[str, bytes]:
-    """Turn a result, without its cell and wall time, into a JSON document and an archive of arrays.
+    """Turn a result, without its cell and wall times, into a JSON document and an archive of arrays.
 
     Raises
     ------
@@ -97,7 +100,7 @@ def encode(result: Result) -> tuple[str, bytes]:
         "message": result.message,
         "evaluations": int(result.evaluations),
         "iterations": int(result.iterations),
-        "details": {name: float(value) for name, value in result.details.items()},
+        "details": {name: float(value) for name, value in result.details.items() if not name.endswith(MEASURED)},
     }
     arrays: Arrays = {"history": np.asarray(result.history)}
     if result.durations is not None:
@@ -111,8 +114,13 @@ def encode(result: Result) -> tuple[str, bytes]:
     return canonical(document), pack_arrays(arrays)
 
 
-def decode(cell: Cell, document_text: str, blob: bytes, wall_time: float) -> Result:
-    """Turn what `encode` wrote back into a result."""
+def encode_times(result: Result) -> str:
+    """Write the wall times that a planner noted among its details as JSON."""
+    return canonical({name: float(value) for name, value in result.details.items() if name.endswith(MEASURED)})
+
+
+def decode(cell: Cell, document_text: str, blob: bytes, wall_time: float, times: str = "{}") -> Result:
+    """Turn what `encode` and `encode_times` wrote back into a result."""
     document, arrays = json.loads(document_text), unpack_arrays(blob)
     return Result(
         cell=cell,
@@ -124,7 +132,7 @@ def decode(cell: Cell, document_text: str, blob: bytes, wall_time: float) -> Res
         evaluations=document["evaluations"],
         iterations=document["iterations"],
         history=arrays["history"],
-        details=document["details"],
+        details=document["details"] | json.loads(times),
         wall_time=wall_time,
     )
 

@@ -18,7 +18,7 @@ from types import TracebackType
 
 from study.errors import StudyError
 from study.experiment.cases import Case
-from study.experiment.codec import canonical, cell_key, decode, encode, settings_from
+from study.experiment.codec import canonical, cell_key, decode, encode, encode_times, settings_from
 from study.experiment.registry import planner_version
 from study.experiment.results import Cell, Result
 from study.experiment.storefile import (
@@ -143,7 +143,7 @@ class Store:
             verdict.worst_ratio if verdict else None,
             int(result.evaluations),
         )
-        return (*columns, _row_digest(columns, *payload), float(result.wall_time)), payload
+        return (*columns, _row_digest(columns, *payload), float(result.wall_time), encode_times(result)), payload
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -175,18 +175,18 @@ class Store:
         return [self._checked(cell, row) for cell, row in found if row is not None]
 
     def _stored(self, key: str) -> _Row | None:
-        query = f"SELECT {_COLUMNS}, document, arrays, digest, wall_time FROM results JOIN payloads USING (key) WHERE key = ?"  # noqa: S608
+        query = f"SELECT {_COLUMNS}, document, arrays, digest, wall_time, times FROM results JOIN payloads USING (key) WHERE key = ?"  # noqa: S608
         row: _Row | None = self._connection.execute(query, (key,)).fetchone()
         return row
 
     def _checked(self, cell: Cell, row: _Row) -> Result:
-        *columns, document, arrays, digest, wall_time = row
+        *columns, document, arrays, digest, wall_time, times = row
         if _row_digest(tuple(columns), str(document), bytes(arrays)) != digest:  # type: ignore[call-overload]
             raise StudyError(
                 f"results file {self.path}: the row of {cell.label} on {cell.case} (seed {cell.settings.seed}) is damaged; "
                 "move the file away and run again"
             )
-        return decode(cell, str(document), bytes(arrays), float(wall_time))  # type: ignore[call-overload, arg-type]
+        return decode(cell, str(document), bytes(arrays), float(str(wall_time)), str(times))  # type: ignore[call-overload]
 
     def remember_lineup(self, cells: Sequence[Cell], sources: Mapping[str, str]) -> None:
         """Keep which cells the last run was about, so that `study report` shows the same ones.

@@ -17,7 +17,7 @@ SCHEMA = """
 CREATE TABLE results (
   key TEXT PRIMARY KEY, case_name TEXT NOT NULL, planner TEXT NOT NULL, settings TEXT NOT NULL, seed INTEGER NOT NULL,
   version TEXT NOT NULL, status TEXT NOT NULL, feasible INTEGER NOT NULL, duration REAL, worst_ratio REAL,
-  evaluations INTEGER NOT NULL, digest TEXT NOT NULL, wall_time REAL NOT NULL
+  evaluations INTEGER NOT NULL, digest TEXT NOT NULL, wall_time REAL NOT NULL, times TEXT NOT NULL
 ) WITHOUT ROWID;
 CREATE TABLE payloads (key TEXT PRIMARY KEY REFERENCES results, document TEXT NOT NULL, arrays BLOB NOT NULL);
 CREATE TABLE lineup (
