@@ -1,0 +1,115 @@
+"""The viewer itself: every tab of a real recording, drawn without a screen."""
+
+from __future__ import annotations
+
+import glob
+import os
+import subprocess
+import zlib
+from io import BytesIO
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from study.errors import StudyError
+from study.experiment.cases import load_case
+from study.report.recording import record_case, screenshot, view, viewer
+from tests.test_recording import some_results
+
+DRIVERS = ("/usr/share/vulkan/icd.d/*.json", "/usr/local/share/vulkan/icd.d/*.json", "/etc/vulkan/icd.d/*.json")
+can_draw = pytest.mark.skipif(
+    not any(glob.glob(pattern) for pattern in DRIVERS) and not os.environ.get("VK_DRIVER_FILES"),
+    reason="no Vulkan driver here; Debian and Ubuntu have a software one in the package mesa-vulkan-drivers",
+)
+TABS = ("Overview", "Position", "Velocity", "Acceleration", "Jerk", "Limits in use", "Convergence", "Durations")
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    case = load_case("woodworking")
+    return record_case(case, some_results(case), tmp_path_factory.mktemp("viewer") / "woodworking.rrd")
+
+
+def pixels(png: bytes) -> np.ndarray:
+    """Decode an 8-bit RGB or RGBA picture, shape (height, width, channels)."""
+    return np.asarray(Image.open(BytesIO(png)).convert("RGB"))
+
+
+@can_draw
+@pytest.mark.timeout(240)
+def test_every_tab_is_drawn_without_complaint(recording: Path) -> None:
+    with viewer.headless(recording) as client:
+        pictures = {}
+        for tab in (*TABS, "All arms"):
+            viewer.show_tab(client, tab)
+            client.set_time("t", duration=1.0, play_state="paused")
+            picture = pixels(viewer.settled_picture(client))
+            assert viewer.complaints(client) == [], tab
+            assert picture.shape == (1080, 1920, 3)
+            pictures[tab] = picture
+        # something of every method is drawn: bright and coloured pixels, and every tab looks different
+        for tab, picture in pictures.items():
+            coloured = np.ptp(picture.astype(int), axis=2) > 60
+            assert coloured.mean() > 5e-4, tab
+        assert len({zlib.crc32(picture.tobytes()) for picture in pictures.values()}) == len(pictures)
+        errors = [entry.message for entry in client.get_logs() if entry.level == "ERROR"]
+        assert errors == []
+
+
+@can_draw
+@pytest.mark.timeout(120)
+def test_a_screenshot_shows_the_chosen_time(recording: Path, tmp_path: Path) -> None:
+    for name, time in (("start", 0.0), ("middle", 4.0)):
+        assert screenshot(recording, tmp_path / f"{name}.png", time) == []
+    start, middle = (pixels((tmp_path / f"{name}.png").read_bytes()) for name in ("start", "middle"))
+    assert (start != middle).any(axis=2).mean() > 1e-3  # the arms have moved
+
+
+@can_draw
+@pytest.mark.timeout(120)
+def test_a_tab_that_is_not_there_is_named(recording: Path, tmp_path: Path) -> None:
+    with pytest.raises(StudyError, match=r"no tab 'Velocities'; did you mean 'Velocity'"):
+        screenshot(recording, tmp_path / "a.png", tab="Velocities")
+
+
+def test_viewing_needs_a_file_and_a_display(recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(StudyError, match=r"no recording at .*gone\.rrd"):
+        view(tmp_path / "gone.rrd")
+    monkeypatch.setattr(viewer.sys, "platform", "linux")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    with pytest.raises(StudyError, match=r"there is no display here"):
+        view(recording)
+
+
+def test_a_missing_viewer_is_one_sentence(recording: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(viewer.importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(StudyError, match=r"the viewer is not installed; install it with"):
+        view(recording)
+
+
+def test_the_viewer_listens_on_loopback_with_statistics_off(recording: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[tuple[list[str], dict[str, str]]] = []
+    real = subprocess.run
+
+    def run(command: list[str], **options: object) -> object:
+        environment = options["env"]
+        assert isinstance(environment, dict)
+        calls.append((command, environment))
+        if command[1:2] == ["analytics"]:
+            return real(command, **options)  # type: ignore[call-overload]
+        settings = Path(environment["XDG_CONFIG_HOME"]) / "rerun" / "analytics.json"
+        assert '"analytics_enabled":false' in settings.read_text().replace(" ", "")
+        return SimpleNamespace(returncode=7, stderr="first\nlast words\n\n")
+
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(viewer.subprocess, "run", run)
+    with pytest.raises(StudyError, match=r"ended with an error: last words$"):
+        view(recording)
+    command = calls[-1][0]
+    assert command[command.index("--bind") + 1] == "127.0.0.1"
+    assert not Path(calls[-1][1]["XDG_CONFIG_HOME"]).exists()
