@@ -11,10 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from study import polynomial
 from study.problem import Floats, Problem
 from study.trajectory import Trajectory
+
+Mask = NDArray[np.bool_]
 
 INTERIOR = 1e-9
 """A peak nearer to the end of its piece than this stands at the end and does not move."""
@@ -42,11 +45,17 @@ class Critical:
     bends: Floats
 
 
-def bends_of(curvature: Floats, ratios: Floats, points: Floats) -> Floats:
-    """Bend of every peak whose curvature is clear enough to divide by."""
+def bends_of(curvature: Floats, level: Mask, ratios: Floats, points: Floats) -> Floats:
+    """Bend of every peak inside its piece that is level and whose curvature is clear enough to divide by."""
     inside = (points > INTERIOR) & (points < 1 - INTERIOR)
-    peaked = inside & (-curvature * np.sign(ratios) > 1e-2 * np.abs(ratios))
+    peaked = inside & level & (-curvature * np.sign(ratios) > 1e-2 * np.abs(ratios))
     return np.divide(0.5, curvature, out=np.zeros_like(curvature), where=peaked)
+
+
+def is_root(coefficients: Floats, points: Floats) -> Mask:
+    """Whether polynomials vanish at points; `polynomial.roots` also returns points that are no roots."""
+    size = np.abs(coefficients).sum(axis=-1)[..., None]
+    return np.abs(polynomial.value(coefficients[..., None, :], points)) <= 1e-9 * size
 
 
 def polynomial_critical(problem: Problem, motion: Trajectory, order: int) -> Critical:
@@ -62,7 +71,7 @@ def polynomial_critical(problem: Problem, motion: Trajectory, order: int) -> Cri
     points = np.concatenate([edge, critical, edge + 1.0], axis=-1)
     ratios = polynomial.value(rate[..., None, :], points)
     curvature = polynomial.value(polynomial.derivative(slope)[..., None, :], points)
-    return Critical(points, ratios, bends_of(curvature, ratios, points))
+    return Critical(points, ratios, bends_of(curvature, is_root(slope, points), ratios, points))
 
 
 class Slots:
@@ -81,7 +90,7 @@ class Slots:
         self.joints = np.zeros(shape, dtype=int)
 
     @property
-    def used(self) -> np.ndarray:
+    def used(self) -> Mask:
         """Which slots hold a point."""
         return ~np.isnan(self.points)
 

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linprog
 
-from baselines._extremal import Critical, Slots, bends_of
+from baselines._extremal import Critical, Slots, bends_of, is_root
 from baselines._families import shortest_of, slot_symbols, slot_values, stacked
 from baselines._transcription import Rows, Scales, ca
 from study import polynomial
@@ -89,7 +89,7 @@ class BSpline:
 
     def lift(self, problem: Problem, durations: Floats, scales: Scales) -> Floats:
         """Steps of the control points that give these durations."""
-        return np.linalg.solve(duration_matrix(len(durations)), durations / scales.time)
+        return np.asarray(np.linalg.solve(duration_matrix(len(durations)), durations / scales.time), dtype=float)
 
     def durations(self, x: Floats, scales: Scales) -> Floats:
         """Durations of given variables, s."""
@@ -142,7 +142,8 @@ class BSpline:
         seconds = [polynomial.derivative(polynomial.derivative(a))[..., None, :] for a in (numerator, denominator)]
         over, under = (polynomial.value(a, points) for a in seconds)
         curvature = over * np.sign(ratios) - under  # of what is *not* to spare, so that it is negative at a peak
-        return Critical(points, ratios, -bends_of(curvature, np.abs(ratios), points))
+        level = is_root(rational_rate(time, position, order + 1)[0], points)
+        return Critical(points, ratios, -bends_of(curvature, level, np.abs(ratios), points))
 
 
 def time_rates(windows: tuple[Any, Any, Any], u: Any) -> tuple[Any, Any, Any]:

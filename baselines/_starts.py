@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from study.curves import Curve
-from study.formulation import stretch
+from study.formulation import Scaled, stretch
 from study.problem import Floats, Problem
 
 MARGIN = 1.02
 """An interior-point method starts a little inside its limits."""
+
+SAMPLE = 6000
+"""Random durations, divided by the number of segments: few segments have optima of very different proportions."""
+APART = 0.3
+"""Starts differ by at least this in the logarithm of some segment's share."""
 
 
 def guess(problem: Problem) -> Floats:
@@ -34,10 +37,23 @@ def feasible(problem: Problem, curve: Curve, durations: Floats) -> Floats:
     return durations * (MARGIN * max(factor, shortest) or 1.0)
 
 
-def starts(problem: Problem, curve: Curve, count: int, seed: int) -> Iterator[Floats]:
-    """Yield feasible durations to start from; the first does not depend on the seed."""
+def starts(problem: Problem, curve: Curve, count: int, seed: int) -> list[Floats]:
+    """Choose feasible durations to start from, shape (n_segments,) each.
+
+    The first is the guess and does not depend on the seed. The others are the best of a random sample around it after
+    stretching, each apart from those chosen before: optima of different kinds lie in different proportions of durations.
+    """
     rng = np.random.default_rng(seed)
     base = guess(problem)
-    for k in range(count):
-        spread = np.exp(0.5 * rng.normal(size=base.shape)) if k else 1.0
-        yield feasible(problem, curve, base * spread)
+    chosen = [feasible(problem, curve, base)]
+    size = SAMPLE // len(base)
+    spread = rng.uniform(0.1, 1.5, size=(size, 1)) * rng.normal(size=(size, len(base)))
+    sample = base * np.exp(spread)
+    totals = Scaled(problem, curve)(sample)
+    logs = np.log(sample / sample.sum(axis=1, keepdims=True))
+    for k in np.argsort(totals, kind="stable"):
+        if len(chosen) >= count or not np.isfinite(totals[k]):
+            break
+        if all(np.abs(logs[k] - np.log(other / other.sum())).max() > APART for other in chosen):
+            chosen.append(feasible(problem, curve, sample[k]))
+    return chosen

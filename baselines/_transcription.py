@@ -7,6 +7,7 @@ built once for each family and shape and serves every problem and every exchange
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
@@ -18,10 +19,11 @@ from study.errors import StudyError
 from study.problem import Floats, Problem
 from study.trajectory import Motion
 
-try:
-    import casadi as ca
-except ImportError:  # pragma: no cover - every installation of the project has it
-    ca = None
+ca: Any = None
+with suppress(ImportError):  # said clearly by `require_casadi`, when it is needed
+    import casadi
+
+    ca = casadi
 
 
 @dataclass(frozen=True, eq=False)

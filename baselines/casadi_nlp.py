@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
@@ -21,7 +21,7 @@ from baselines._starts import feasible, starts
 from baselines._transcription import Family, Scales, require_casadi
 from study.curves import curve_named
 from study.errors import StudyError, unknown
-from study.formulation import stretch
+from study.formulation import Scaled, stretch
 from study.planning import Plan, RunSettings, Status
 from study.problem import Floats, Problem
 
@@ -103,14 +103,14 @@ def optimise(
     """
     require_casadi()
     family, began = curve_named(curve), time.perf_counter()
-    guesses = list(starts(problem, family, count, seed))
+    guesses = starts(problem, family, count, seed)
     if first is not None:
         guesses[0] = feasible(problem, family, np.asarray(first, dtype=float))
     scales = Scales.of(problem, guesses[0])
     exchange = Exchange(family_of(curve, problem), problem, scales, began + time_limit, time_limit)
     found = list(_from_each(exchange, guesses))
-    best = min(found, key=lambda optimum: (not optimum.converged, optimum.total * (1 + max(optimum.excess, 0.0))))
-    return _answer(exchange, found, best, curve, time.perf_counter() - began)
+    answer = _answer(exchange, found, curve, time.perf_counter() - began)
+    return _not_above(answer, Scaled(problem, family).realise(np.array(guesses)))
 
 
 def _from_each(exchange: Exchange, guesses: Iterable[Floats]) -> Iterable[Optimum]:
@@ -119,8 +119,19 @@ def _from_each(exchange: Exchange, guesses: Iterable[Floats]) -> Iterable[Optimu
         yield optimum if optimum.converged else exchange.run(2.0 * guess)
 
 
-def _answer(exchange: Exchange, found: list[Optimum], best: Optimum, curve: str, seconds: float) -> Answer:
+def _not_above(answer: Answer, reached: Floats) -> Answer:
+    """Keep the better of the answer and the starts themselves, so that nothing ends slower than it began."""
+    totals = reached.sum(axis=1)
+    best = int(totals.argmin())
+    if not totals[best] < answer.durations.sum() * (1 - 1e-9):
+        return answer
+    reason = answer.message or "the solver ended above its own start, which is returned"
+    return replace(answer, durations=reached[best], message=reason)
+
+
+def _answer(exchange: Exchange, found: list[Optimum], curve: str, seconds: float) -> Answer:
     problem = exchange.problem
+    best = min(found, key=lambda optimum: (not optimum.converged, optimum.total * (1 + max(optimum.excess, 0.0))))
     iterations = sum(optimum.iterations for optimum in found)
     durations = np.maximum(exchange.family.durations(best.x, exchange.scales), problem.duration_bounds[0])
     usable = np.isfinite(best.excess) and bool((durations > 0).all())

@@ -1,0 +1,150 @@
+"""The global optimum of 3-5-3 problems, with a proven lower bound, by branch and bound over two duration ratios.
+
+The upper bound is a motion that is exactly feasible: the NLP's, or better where the middle of a box is better. The lower bound
+needs neither the NLP nor the upper bound to be good; see `_bounds353` for the proof and for rounding.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from baselines._bounds353 import Bounds353
+from baselines._branch_bound import Enclosure, enclose
+from baselines.casadi_nlp import optimise
+from study.curves import curve_named
+from study.errors import unknown
+from study.formulation import Scaled
+from study.planning import Plan, RunSettings, Status
+from study.problem import Floats, Problem
+
+GAP = 1e-6
+"""Relative distance between upper and lower bound at which the search ends."""
+
+MOST_BOXES = 500_000
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """Proven bounds on the shortest total time of one problem, and durations that reach the upper one.
+
+    Attributes
+    ----------
+    lower, upper : float, s
+    durations : array of shape (3,), s
+    boxes : int
+    finished : bool
+        Whether the gap is at most 1e-6 of the upper bound.
+    """
+
+    lower: float
+    upper: float
+    durations: Floats
+    boxes: int
+    finished: bool
+
+
+def obstacle(problem: Problem, curve: str) -> str:
+    """Why no certificate can be had; empty where it can."""
+    if curve != "poly353":
+        return f"only poly353 problems are certified, the curve is {curve}"
+    if problem.n_waypoints != 4:
+        return f"the 3-5-3 curve needs exactly 4 waypoints, got {problem.n_waypoints}"
+    if problem.duration_bounds[0] == 0 and not np.diff(problem.waypoints, axis=0).any(axis=1).all():
+        return "a segment in which nothing moves may shrink to nothing; give a positive lower bound on durations"
+    moves = np.ptp(problem.waypoints, axis=0) > 0
+    if np.isinf(problem.limits.rates[:, moves]).all(axis=0).any():
+        return "a joint that moves has no limit"
+    return ""
+
+
+def certify(problem: Problem, *, seed: int = 0, time_limit: float = 60.0) -> Certificate:
+    """Enclose the shortest total time of a 3-5-3 problem, all joints together.
+
+    Parameters
+    ----------
+    problem : Problem
+        For which `obstacle` is empty.
+    seed : int
+        Of the NLP's starts.
+    time_limit : float, s
+
+    Returns
+    -------
+    Certificate
+
+    Raises
+    ------
+    StudyError
+        If CasADi is missing or there are not four waypoints.
+    """
+    began = time.perf_counter()
+    bounds, scaled = Bounds353(problem), Scaled(problem, curve_named("poly353"))
+    durations = _reachable(problem, scaled, seed, time_limit)
+    upper = float(durations.sum())
+
+    def value(points: Floats) -> Floats:
+        return scaled(bounds.durations(points))
+
+    found: Enclosure = enclose(
+        bounds, value, bounds.box(upper), upper, gap=GAP, deadline=began + time_limit, most=MOST_BOXES
+    )
+    if found.point is not None:
+        durations = scaled.realise(bounds.durations(found.point[None]))[0]
+    return Certificate(found.lower, float(durations.sum()), durations, found.boxes, found.finished)
+
+
+def _reachable(problem: Problem, scaled: Scaled, seed: int, time_limit: float) -> Floats:
+    """Feasible durations: the NLP's answer, or equal ones where it has none."""
+    answer = optimise(problem, "poly353", seed=seed, time_limit=time_limit / 2).durations
+    candidate = answer if np.isfinite(answer).all() else np.ones(3)
+    return np.asarray(scaled.realise(candidate[None])[0])
+
+
+@dataclass(frozen=True)
+class Certified:
+    """The planner `certified`."""
+
+    stochastic: ClassVar[bool] = False
+    segment_times: ClassVar[bool] = True
+
+    def plan(self, problem: Problem, settings: RunSettings) -> Plan:
+        """Certify all joints together, or each alone and then take the longest duration of every segment.
+
+        The bounds in the details belong to the shared problem, or are the largest of the joints' own: no motion of all
+        joints is shorter than the slowest joint alone.
+
+        Raises
+        ------
+        StudyError
+            If the synchronisation is unknown or CasADi is missing.
+        """
+        if settings.synchronisation not in ("shared", "per-joint"):
+            raise unknown("synchronisation", settings.synchronisation, ("per-joint", "shared"))
+        alone = settings.synchronisation == "per-joint"
+        parts = [problem.joint(j) for j in range(problem.n_joints)] if alone else [problem]
+        reason = next((text for text in (obstacle(part, settings.curve) for part in parts) if text), "")
+        if reason:
+            return Plan(Status.NOT_APPLICABLE, message=reason)
+        share = settings.time_limit / len(parts)
+        found = [certify(part, seed=settings.seed, time_limit=share) for part in parts]
+        durations = np.max([one.durations for one in found], axis=0)
+        finished = all(one.finished for one in found)
+        return Plan(
+            Status.FINISHED if finished else Status.NOT_CONVERGED,
+            motion=curve_named("poly353").motion(problem.waypoints, durations),
+            durations=durations,
+            iterations=sum(one.boxes for one in found),
+            message="" if finished else "the gap between the bounds is still above 1e-6; both bounds hold",
+            details={
+                "lower_bound": max(one.lower for one in found),
+                "upper_bound": max(one.upper for one in found),
+                "boxes": float(sum(one.boxes for one in found)),
+            },
+        )
+
+
+CERTIFIED = Certified()

@@ -1,0 +1,138 @@
+"""The certificate: its bounds against the NLP, random durations and the exact stretch."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from baselines._bounds353 import Bounds353, peak_instants
+from baselines._branch_bound import enclose, halves
+from baselines.casadi_nlp import optimise
+from baselines.certified import CERTIFIED, GAP, certify, obstacle
+from study import JointLimits, Problem, judge
+from study.curves import CURVES
+from study.formulation import Scaled
+from study.planning import RunSettings, Status
+from tests.test_casadi_nlp import WOODWORKING, random_problem
+
+
+@pytest.mark.parametrize("part", [WOODWORKING, *(WOODWORKING.joint(j) for j in range(4))], ids=lambda p: p.name)
+def test_nlp_and_certificate_agree_on_woodworking(part: Problem) -> None:
+    certificate, nlp = certify(part), optimise(part, "poly353").durations.sum()
+    assert certificate.finished
+    assert certificate.lower <= certificate.upper <= certificate.lower * (1 + 2e-6)
+    assert nlp == pytest.approx(certificate.upper, rel=1e-6)
+    assert nlp >= certificate.lower
+
+
+@pytest.mark.parametrize("rates", [(1.0, 2.0, 8.0), (1.0, np.inf, np.inf), (1e3, 1.0, 1e5), (1e3, 1e3, 1.0)])
+@pytest.mark.parametrize("seed", range(3))
+def test_nothing_beats_the_lower_bound(seed: int, rates: tuple[float, float, float]) -> None:
+    problem = random_problem(seed, 4, 1 + seed, rates)
+    certificate, scaled = certify(problem), Scaled(problem, CURVES["poly353"])
+    assert certificate.finished
+    assert judge(problem, CURVES["poly353"].motion(problem.waypoints, certificate.durations)).feasible
+    rng = np.random.default_rng(seed)
+    around = certificate.durations * np.exp(np.geomspace(1e-4, 2.0, 20_000)[:, None] * rng.normal(size=(20_000, 3)))
+    best = scaled(around).min()
+    assert best >= certificate.lower
+    assert best >= certificate.upper * (1 - GAP)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_bounds_hold_on_boxes_of_every_size_and_close_on_points(seed: int) -> None:
+    problem = random_problem(seed, 4, 1 + seed % 3, (1.0, 2.0, 8.0 if seed % 2 else np.inf))
+    bounds, scaled = Bounds353(problem), Scaled(problem, CURVES["poly353"])
+    rng = np.random.default_rng(seed)
+    middle, half = rng.normal(size=(400, 2)), np.geomspace(1e-7, 1.5, 400)[:, None] * rng.uniform(0.3, 1, size=(400, 2))
+    found = bounds(middle - half, middle + half)
+    for _ in range(30):
+        inside = middle + half * rng.uniform(-1, 1, size=half.shape)
+        assert (found <= scaled(bounds.durations(inside))).all()
+    exact = scaled(bounds.durations(middle))
+    assert bounds(middle, middle) == pytest.approx(exact, rel=1e-6)
+    slack = 1 - found / exact
+    assert slack[:50].max() < 1e-4
+
+
+def test_the_mean_of_two_limits_errs_by_the_square_of_the_width_at_the_optimum() -> None:
+    """The reason why boxes do not cluster; without it this joint needs millions of them."""
+    certificate = certify(WOODWORKING.joint(0))
+    t1, t2, t3 = certificate.durations
+    optimum = np.log([[t2 / t1, t2 / t3]])
+    bounds = Bounds353(WOODWORKING.joint(0))
+    slack = [certificate.lower - bounds(optimum - half, optimum + half)[0] for half in (4e-3, 2e-3)]
+    assert slack[0] < 1e-2 * certificate.lower
+    assert certificate.boxes < 5_000
+
+
+def test_shortest_durations_are_honoured() -> None:
+    bounded = replace(random_problem(1, 4, 1), duration_bounds=(2.5, 9.0))
+    certificate = certify(bounded)
+    assert certificate.finished
+    assert certificate.durations.min() >= 2.5 * (1 - 1e-12)
+    assert certificate.lower > certify(random_problem(1, 4, 1)).upper
+
+
+def test_a_better_optimum_than_the_first_guess_is_found() -> None:
+    """This joint has two optima of very different proportions, 6.061 s and 4.597 s."""
+    waypoints = np.random.default_rng(1).normal(size=(4, 6))[:, :1]
+    problem = Problem("two optima", waypoints, JointLimits([1.0], [2.0], [8.0]), duration_bounds=(0.01, 10))
+    certificate = certify(problem)
+    assert certificate.upper == pytest.approx(4.597133, abs=1e-5)
+    assert optimise(problem, "poly353").durations.sum() == pytest.approx(certificate.upper, rel=1e-6)
+
+
+def test_the_planner_reports_its_bounds() -> None:
+    together = CERTIFIED.plan(WOODWORKING, RunSettings("poly353"))
+    alone = CERTIFIED.plan(WOODWORKING, RunSettings("poly353", synchronisation="per-joint"))
+    assert together.status is alone.status is Status.FINISHED
+    assert judge(WOODWORKING, together.motion).feasible
+    assert together.details["upper_bound"] == pytest.approx(7.47562, abs=1e-5)
+    assert alone.details["lower_bound"] == pytest.approx(7.24009, abs=1e-4)
+    assert alone.details["lower_bound"] <= together.details["upper_bound"]
+    assert together.details["boxes"] >= 1
+
+
+@pytest.mark.parametrize(("curve", "n", "word"), [("bspline", 4, "bspline"), ("poly353", 5, "4 waypoints")])
+def test_elsewhere_it_does_not_apply(curve: str, n: int, word: str) -> None:
+    plan = CERTIFIED.plan(random_problem(0, n, 2), RunSettings(curve))
+    assert plan.status is Status.NOT_APPLICABLE
+    assert word in plan.message
+
+
+def test_ill_posed_problems_are_refused() -> None:
+    waypoints = np.array([[0.0], [1.0], [1.0], [2.0]])
+    dwelling = Problem("dwell", waypoints, JointLimits([1.0]), duration_bounds=(0.0, 5.0), allow_dwell=True)
+    assert "shrink to nothing" in obstacle(dwelling, "poly353")
+    assert not obstacle(replace(dwelling, duration_bounds=(0.1, 5.0)), "poly353")
+    waypoints = np.stack([np.arange(4.0), np.arange(4.0)], axis=1)
+    unlimited = Problem("free", waypoints, JointLimits([1.0, np.inf]), duration_bounds=(0.0, 5.0))
+    assert "no limit" in obstacle(unlimited, "poly353")
+
+
+def test_a_budget_of_boxes_leaves_a_bound_that_holds() -> None:
+    bounds, scaled = Bounds353(WOODWORKING), Scaled(WOODWORKING, CURVES["poly353"])
+    found = enclose(
+        bounds, lambda p: scaled(bounds.durations(p)), bounds.box(9.0), 9.0, gap=GAP, deadline=np.inf, most=20
+    )
+    assert not found.finished
+    assert found.lower <= 7.47562 <= found.upper
+
+
+def test_halves_cover_their_box() -> None:
+    low, high = halves(np.array([[0.0, 1.0]]), np.array([[1.0, 5.0]]))
+    assert sorted(zip(low.tolist(), high.tolist(), strict=True)) == [([0.0, 1.0], [1.0, 3.0]), ([0.0, 3.0], [1.0, 5.0])]
+
+
+def test_peak_instants_include_the_highest_peak() -> None:
+    rng = np.random.default_rng(0)
+    for degree in (2, 3, 4):
+        polynomials = rng.normal(size=(200, degree + 1))
+        tau = np.linspace(0, 1, 2001)
+        highest = np.abs(polynomials @ (tau[:, None] ** np.arange(degree + 1)).T).max(axis=1)
+        at = peak_instants(polynomials)
+        found = np.abs((at[..., None] ** np.arange(degree + 1) * polynomials[:, None]).sum(axis=-1)).max(axis=1)
+        assert (found >= highest * (1 - 1e-5)).all()
