@@ -1,15 +1,46 @@
-"""What the figures are made from, and the arithmetic of their axes; no plotting here."""
+"""What the figures are made from, their styles and the arithmetic of their axes; no plotting here."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from study.problem import Floats
+from study.report.svg import PLACEHOLDER
 from study.trajectory import Motion
 
+INK, MUTED, GRID, BAND, PAPER = (PLACEHOLDER[name] for name in ("ink", "muted", "grid", "band", "paper"))
+SERIES = tuple(PLACEHOLDER[f"s{k}"] for k in range(1, 7))
+DASHES: tuple[Any, ...] = (
+    "-",
+    (0, (6, 2)),
+    (0, (6, 2, 1.5, 2)),
+    (0, (1.5, 1.5)),
+    (0, (3, 1.5, 1, 1.5, 1, 1.5)),
+    (0, (9, 3)),
+)
+MARKERS = ("o", "s", "^", "D", "X", "v")
+RC = {
+    "svg.hashsalt": "time-optimal-study",
+    "svg.fonttype": "none",
+    "text.parse_math": False,
+    "font.size": 12.0,
+    "axes.titlesize": 12.0,
+    "axes.labelsize": 12.0,
+    "xtick.labelsize": 11.0,
+    "ytick.labelsize": 11.0,
+    "hatch.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.facecolor": "none",
+    "figure.facecolor": "none",
+    "axes.axisbelow": True,
+} | dict.fromkeys(
+    ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color", "axes.titlecolor"), INK
+)
 SAMPLES = 220
 
 

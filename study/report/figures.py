@@ -15,39 +15,27 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from study.problem import Problem
-from study.report.drawn import Bar, Convergence, HeadlineRow, Series, headline_range, sample_times, spaced_ticks
-from study.report.svg import PLACEHOLDER, themed
+from study.report.drawn import (
+    BAND,
+    DASHES,
+    GRID,
+    INK,
+    MARKERS,
+    MUTED,
+    PAPER,
+    RC,
+    SERIES,
+    Bar,
+    Convergence,
+    HeadlineRow,
+    Series,
+    headline_range,
+    sample_times,
+    spaced_ticks,
+)
+from study.report.svg import themed
 from study.report.wording import count, percent
 
-INK, MUTED, GRID, BAND, PAPER = (PLACEHOLDER[name] for name in ("ink", "muted", "grid", "band", "paper"))
-SERIES = tuple(PLACEHOLDER[f"s{k}"] for k in range(1, 7))
-DASHES: tuple[Any, ...] = (
-    "-",
-    (0, (6, 2)),
-    (0, (6, 2, 1.5, 2)),
-    (0, (1.5, 1.5)),
-    (0, (3, 1.5, 1, 1.5, 1, 1.5)),
-    (0, (9, 3)),
-)
-MARKERS = ("o", "s", "^", "D", "X", "v")
-RC = {
-    "svg.hashsalt": "time-optimal-study",
-    "svg.fonttype": "none",
-    "text.parse_math": False,
-    "font.size": 12.0,
-    "axes.titlesize": 12.0,
-    "axes.labelsize": 12.0,
-    "xtick.labelsize": 11.0,
-    "ytick.labelsize": 11.0,
-    "hatch.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.facecolor": "none",
-    "figure.facecolor": "none",
-    "axes.axisbelow": True,
-} | dict.fromkeys(
-    ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color", "axes.titlecolor"), INK
-)
 QUANTITIES = ("position", "velocity", "acceleration", "jerk")
 OUT_OF_SIGHT = 0.3
 """Where every method uses less than this share of a limit, the plot shows the motion and not the limit."""

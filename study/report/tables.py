@@ -1,14 +1,16 @@
-"""The tables of the report: one set of records for the page, CSV and Parquet; the only file that imports pandas."""
+"""The tables of the report: one set of records for the page, CSV and Parquet; the only file that imports pyarrow."""
 
 from __future__ import annotations
 
+import csv
 import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
-import pandas as pd
+import pyarrow as pa  # type: ignore[import-untyped]
+import pyarrow.parquet as pq  # type: ignore[import-untyped]
 
 from study.experiment.cases import Case
 from study.experiment.lineup import QUICK_EVALUATIONS
@@ -69,6 +71,28 @@ COLUMNS = (
         "wall_s", "Wall", "computing time of the planner, median over runs", _number(lambda v: wall(v) if v else DASH)
     ),
 )
+
+
+ARROW = {str: pa.string(), int: pa.int64(), float: pa.float64(), bool: pa.bool_()}
+SCHEMAS: dict[str, dict[str, type]] = {
+    "results": {
+        **dict.fromkeys(("case",), str), "rank": int, **dict.fromkeys(("method", "kind", "path"), str),
+        **dict.fromkeys(("median_s", "best_s", "gap_same_path", "gap_any_path"), float), "feasible": str,
+        **dict.fromkeys(("runs", "feasible_runs"), int), "worst_ratio": float, "evaluations": int,
+        **dict.fromkeys(("wall_s", "claimed_s"), float), **dict.fromkeys(("reason", "command"), str),
+    },
+    "runs": {
+        **dict.fromkeys(("case", "method"), str), "seed": int, "status": str, "duration_s": float, "feasible": bool,
+        **dict.fromkeys(("worst_ratio", "waypoint_error"), float),
+        **dict.fromkeys(("continuity", "evaluations", "iterations"), int), "wall_s": float, "message": str,
+    },
+    "limits": {
+        **dict.fromkeys(("case", "method", "joint", "rate"), str),
+        **dict.fromkeys(("peak", "limit", "ratio", "at_s"), float), "segment": int,
+    },
+    "segments": {"case": str, "method": str, "segment": int, "start_s": float, "duration_s": float},
+}  # fmt: skip
+"""Columns of every file and what they hold."""
 
 
 def command(case: Case, entry: Entry) -> str:
@@ -186,9 +210,12 @@ def write_tables(folder: Path, name: str, cases: Sequence[tuple[Case, Sequence[E
         "segments": [record for pair in pairs for record in segment_records(*pair)],
     }
     for kind, records in tables.items():
-        frame = pd.DataFrame.from_records(records).convert_dtypes(convert_floating=False)
-        frame.to_csv(folder / f"{name}-{kind}.csv", index=False, lineterminator="\n")
-        frame.to_parquet(folder / f"{name}-{kind}.parquet", index=False)
+        with (folder / f"{name}-{kind}.csv").open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(SCHEMAS[kind])
+            writer.writerows([[raw(record[key]) for key in SCHEMAS[kind]] for record in records])
+        schema = pa.schema([(key, ARROW[of]) for key, of in SCHEMAS[kind].items()])
+        pq.write_table(pa.Table.from_pylist(records, schema=schema), folder / f"{name}-{kind}.parquet")
 
 
 def raw(value: Value) -> str:

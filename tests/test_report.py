@@ -1,0 +1,288 @@
+"""The report: whole, honest, self-contained and the same every time."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from study.errors import StudyError
+from study.experiment.cases import Case, load_case
+from study.experiment.lineup import Budget, Spec, make_cells
+from study.experiment.results import Result
+from study.experiment.runner import Task, execute
+from study.problem import Problem
+from study.report.page import build_report
+from study.report.tables import COLUMNS, raw
+
+NASTY = "<script>alert('x')</script> & \"q\" $y$ {{ 7*7 }}"
+ENVIRONMENT = {"Python": "3.x", "a <b>": NASTY}
+
+
+class Page(HTMLParser):
+    """A page taken apart: elements in order, and whatever does not balance."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.elements: list[tuple[str, dict[str, str]]] = []
+        self.faults: list[str] = []
+        self.text: list[str] = []
+        self._open: list[str] = []
+        self.feed(text)
+        self.close()
+        self.faults += [f"never closed: {tag}" for tag in self._open]
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, {key: value or "" for key, value in attrs}))
+        if tag not in {"meta", "link", "br"}:
+            self._open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, {key: value or "" for key, value in attrs}))
+
+    def handle_endtag(self, tag: str) -> None:
+        if not self._open or self._open.pop() != tag:
+            self.faults.append(f"unexpected </{tag}> at {self.getpos()}")
+
+    def handle_data(self, data: str) -> None:
+        self.text.append(data)
+
+    def having(self, attribute: str) -> list[str]:
+        return [attrs[attribute] for _, attrs in self.elements if attribute in attrs]
+
+
+def _results(case: Case, specs: list[str]) -> list[Result]:
+    cells = make_cells([case], [Spec(*name.split(":")) for name in specs], Budget(seeds=2, evaluations=150))
+    return [execute(Task(cell, case.problem)) for cell in cells]
+
+
+@pytest.fixture(scope="module")
+def material() -> tuple[dict[str, Case], list[Result]]:
+    """A paper's case, and a user's whose every name tries to break out of the page."""
+    wood = load_case("woodworking")
+    nasty = Problem(
+        NASTY,
+        wood.problem.waypoints[:, :2],
+        replace(wood.problem.limits, **_two_joints(wood)),
+        joint_names=(NASTY, "b&b"),
+    )
+    mine = replace(
+        wood, name=NASTY, title=NASTY, paper=NASTY, problem=nasty, units=("m", "m"), published=(), notes=(NASTY,)
+    )
+    results = _results(wood, ["golds-pso", "pso:scaled:shared", "centre", "direct", "ruckig-stops", "toppra"])
+    results += _results(mine, ["pso", "centre"])
+    bad = next(one for one in results if one.cell.label == "centre")
+    failed = replace(
+        bad, cell=replace(bad.cell, label="broken", planner="broken"), motion=None, verdict=None, message=NASTY
+    )
+    return {case.name: case for case in (wood, mine)}, [*results, failed]
+
+
+def _two_joints(case: Case) -> dict[str, np.ndarray]:
+    limits = case.problem.limits
+    return {name: getattr(limits, name)[:2] for name in ("velocity", "acceleration", "jerk", "lower", "upper")}
+
+
+@pytest.fixture(scope="module")
+def report(material: tuple[dict[str, Case], list[Result]], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("study-output")
+    (out / "recordings").mkdir()
+    (out / "recordings" / "woodworking.rrd").write_bytes(b"")
+    return build_report(*material, out / "report", ENVIRONMENT).parent
+
+
+def pages(report: Path) -> Iterator[tuple[str, str, Page]]:
+    for path in sorted(report.glob("*.html")):
+        text = path.read_text(encoding="utf-8")
+        yield path.name, text, Page(text)
+
+
+def test_one_page_for_every_case_and_an_index(report: Path) -> None:
+    names = [name for name, _, _ in pages(report)]
+    assert len(names) == 3
+    assert {"index.html", "woodworking.html"} <= set(names)
+
+
+def test_pages_are_well_formed(report: Path) -> None:
+    for name, text, page in pages(report):
+        assert page.faults == [], name
+        ids = page.having("id")
+        assert len(ids) == len(set(ids)), name
+        assert text.startswith("<!DOCTYPE html>")
+        assert ("html", {"lang": "en"}) in page.elements
+
+
+def test_pages_are_readable_without_eyes(report: Path) -> None:
+    for name, text, page in pages(report):
+        tags = [tag for tag, _ in page.elements]
+        assert tags.count("h1") == 1
+        assert tags.count("table") == tags.count("caption"), name
+        for tag, attrs in page.elements:
+            if tag == "th":
+                assert attrs.get("scope") in {"col", "row", "rowgroup"}, (name, attrs)
+            if tag == "svg":
+                assert attrs.get("role") == "img" or attrs.get("aria-hidden") == "true", name
+        known = set(page.having("id"))
+        assert {word for words in page.having("aria-labelledby") for word in words.split()} <= known
+        assert text.count("<title id=") == sum(attrs.get("role") == "img" for _, attrs in page.elements)
+
+
+def test_nothing_comes_from_elsewhere(report: Path) -> None:
+    for name, text, page in pages(report):
+        assert "default-src 'none'" in text
+        for tag, attrs in page.elements:
+            assert "src" not in attrs, (name, tag)
+            target = attrs.get("href", "")
+            if re.match(r"[a-z]+:", target):
+                assert (tag == "link" and target == "data:,") or target.startswith("https://doi.org/10."), (
+                    name,
+                    target,
+                )
+        assert not re.search(r"url\((?!#)|@import|fetch\(|XMLHttpRequest", text), name
+
+
+def test_links_lead_somewhere(report: Path) -> None:
+    for name, _, page in pages(report):
+        ids = set(page.having("id"))
+        for target in page.having("href") + page.having("xlink:href"):
+            if target.startswith("#"):
+                assert target[1:] in ids, (name, target)
+            elif ":" not in target:
+                assert (report / unquote(target)).is_file(), (name, target)
+
+
+def test_a_recording_is_linked_only_where_there_is_one(report: Path) -> None:
+    linked = {name for name, text, _ in pages(report) if "../recordings/" in text}
+    assert linked == {"index.html", "woodworking.html"}
+
+
+def test_names_of_users_are_text_and_nothing_else(report: Path) -> None:
+    for name, text, page in pages(report):
+        assert "<script>alert" not in text, name
+        assert [tag for tag, _ in page.elements].count("script") == 1, name
+        assert NASTY in "".join(page.text), name
+    assert all(re.fullmatch(r"[A-Za-z0-9_.-]+", path.name) for path in report.rglob("*"))
+
+
+class ResultsTable(HTMLParser):
+    """The results table: for every row its group and its cells' `data-value`s."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.rows: list[tuple[str, list[str]]] = []
+        self._inside, self._group = False, ""
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = {key: value or "" for key, value in attrs}
+        if tag == "table":
+            self._inside = given.get("id") == "results-table"
+        if not self._inside:
+            return
+        if tag == "tbody":
+            self._group = given["class"]
+        if tag == "tr" and self._group and given.get("class") != "group":
+            self.rows.append((self._group, []))
+        if "data-value" in given:
+            self.rows[-1][1].append(given["data-value"])
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+def test_the_table_on_the_page_is_the_one_in_the_file(report: Path, kind: str) -> None:
+    shown = ResultsTable((report / "woodworking.html").read_text(encoding="utf-8")).rows
+    path = report / "tables" / f"woodworking-results.{kind}"
+    if kind == "csv":
+        records: list[dict[str, Any]] = read_csv(path)
+    else:
+        records = [{key: raw(value) for key, value in row.items()} for row in pq.read_table(path).to_pylist()]
+    stored = [[row[column.key] for column in COLUMNS] for row in records if "joint " not in row["method"]]
+    assert len(shown) > 8
+    assert [cells for _, cells in shown] == stored
+
+
+def read_csv(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_infeasible_never_stands_above_feasible(report: Path) -> None:
+    keys = [column.key for column in COLUMNS]
+    for name, text, _ in pages(report):
+        rows = [(group, dict(zip(keys, cells, strict=True))) for group, cells in ResultsTable(text).rows]
+        groups = [group for group, _ in rows]
+        assert groups == sorted(groups, key=["feasible", "infeasible", "unjudged"].index), name
+        for group, row in rows:
+            assert (not row["feasible"].startswith("0/")) == (group == "feasible"), row
+            assert bool(row["rank"]) == (group == "feasible"), row
+        medians = [float(row["median_s"]) for group, row in rows if group == "feasible"]
+        assert medians == sorted(medians)
+
+
+def test_what_failed_is_shown_with_its_reason(report: Path) -> None:
+    rows = ResultsTable((report / "woodworking.html").read_text(encoding="utf-8")).rows
+    assert "infeasible" in {group for group, cells in rows if "broken" in cells}
+    assert "alert(&#39;x&#39;)" in (report / "woodworking.html").read_text(encoding="utf-8")
+
+
+def test_single_joints_are_judged_but_not_ranked(report: Path) -> None:
+    text = (report / "woodworking.html").read_text(encoding="utf-8")
+    assert "acceleration of joint 1 reaches 1.07" in text
+    assert not any("joint 1" in cell for _, cells in ResultsTable(text).rows for cell in cells)
+
+
+def test_commands_run_the_rows_again(report: Path) -> None:
+    commands = {row["method"]: row["command"] for row in read_csv(report / "tables" / "woodworking-results.csv")}
+    assert commands["golds-pso"] == "study run --cases woodworking --planners golds-pso --seeds 2 --evaluations 150"
+    assert commands["toppra"] == "study run --cases woodworking --planners toppra"
+
+
+def test_every_run_stands_in_a_table(report: Path, material: tuple[dict[str, Case], list[Result]]) -> None:
+    _, results = material
+    runs = pq.read_table(report / "tables" / "all-runs.parquet").to_pylist()
+    assert len(runs) == len(results)
+    expected = sorted(one.verdict.duration for one in results if one.verdict)
+    assert sorted(run["duration_s"] for run in runs if run["duration_s"] is not None) == expected
+
+
+def test_the_same_results_give_the_same_bytes(
+    report: Path, material: tuple[dict[str, Case], list[Result]], tmp_path: Path
+) -> None:
+    (tmp_path / "recordings").mkdir()
+    (tmp_path / "recordings" / "woodworking.rrd").write_bytes(b"")
+    again = build_report(*material, tmp_path / "report", ENVIRONMENT).parent
+    first = {path.relative_to(report): path.read_bytes() for path in report.rglob("*") if path.is_file()}
+    second = {path.relative_to(again): path.read_bytes() for path in again.rglob("*") if path.is_file()}
+    assert first == second
+
+
+def test_without_results_there_is_still_a_page(tiny_case: Case, tmp_path: Path) -> None:
+    index = build_report({tiny_case.name: tiny_case}, [], tmp_path / "report", {})
+    assert "no results yet" in index.read_text(encoding="utf-8")
+    assert "nothing to judge" in (index.parent / "tiny.html").read_text(encoding="utf-8")
+
+
+def test_cases_with_like_names_get_pages_of_their_own(tiny_case: Case, tmp_path: Path) -> None:
+    cases = {name: replace(tiny_case, name=name) for name in ("a/b", "a b", "index", "../x")}
+    out = build_report(cases, [], tmp_path / "report", {}).parent
+    assert sorted(path.name for path in out.glob("*.html")) == [
+        "a-b-2.html",
+        "a-b.html",
+        "index-2.html",
+        "index.html",
+        "x.html",
+    ]
+
+
+def test_a_folder_that_cannot_be_written_is_one_sentence(tiny_case: Case, tmp_path: Path) -> None:
+    (tmp_path / "report").write_text("a file stands here")
+    with pytest.raises(StudyError, match=r"the report cannot be written to .*; choose another folder"):
+        build_report({tiny_case.name: tiny_case}, [], tmp_path / "report", {})
