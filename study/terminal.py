@@ -15,7 +15,7 @@ from study.experiment.cases import Case
 from study.experiment.ledger import Entry
 from study.experiment.summary import Row
 from study.judge import RATES, Verdict
-from study.planning import Planner
+from study.planning import Planner, Status
 from study.problem import Problem
 
 DASH = "–"
@@ -62,6 +62,8 @@ def _cells(row: Row) -> tuple[str | Text, ...]:
 
 
 def _share(row: Row) -> str:
+    if row.representative is not None and row.representative.status is Status.NOT_APPLICABLE:
+        return "n/a"
     if row.runs == 1:
         return "yes" if row.feasible else "no"
     return f"{row.feasible_runs} of {row.runs}"

@@ -95,14 +95,11 @@ class Store:
             if not write:
                 return sqlite3.connect(read_only(self.path), uri=True)
             connection = sqlite3.connect(self.path, isolation_level=None)
-            connection.execute("PRAGMA journal_mode = WAL")
-            connection.execute("PRAGMA synchronous = NORMAL")
-            if connection.execute("PRAGMA user_version").fetchone()[0] == 0:
-                connection.executescript(
-                    f"BEGIN; {SCHEMA} PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION}; COMMIT;"
-                )
-            else:
-                connection.execute("DELETE FROM lineup WHERE 0")  # a read-only file shows here, before any work is done
+            try:
+                _prepare(connection)
+            except sqlite3.Error:
+                connection.close()
+                raise
             return connection
 
     def key(self, cell: Cell) -> str:
@@ -210,6 +207,17 @@ class Store:
         with explained(self.path):
             rows = self._connection.execute("SELECT key, digest FROM results ORDER BY key").fetchall()
         return hashlib.sha256("\n".join(":".join(row) for row in rows).encode()).hexdigest()
+
+
+def _prepare(connection: sqlite3.Connection) -> None:
+    """Lay out a new file, or find out before any work is done that an old one cannot be written."""
+    connection.execute("PRAGMA journal_mode = WAL")
+    connection.execute("PRAGMA synchronous = NORMAL")
+    if connection.execute("PRAGMA user_version").fetchone()[0] == 0:
+        marks = f"PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION};"
+        connection.executescript(f"BEGIN; {SCHEMA} {marks} COMMIT;")
+    else:
+        connection.execute("DELETE FROM lineup WHERE 0")
 
 
 def remembered_lineup(path: Path) -> tuple[list[Cell], dict[str, str]]:

@@ -18,7 +18,7 @@ from study.judge import judge
 from study.planning import Plan, Status
 
 CURVE, FIXED_PATH, FREE_PATH = "paper's curve", "fixed path", "free path"
-_PATHS = {"toppra": FIXED_PATH, "ruckig-stops": FREE_PATH, "ruckig-via": FREE_PATH}
+_PATHS = {"toppra": FIXED_PATH, "ruckig-stops": FREE_PATH, "ruckig-via": FREE_PATH, "free-path-nlp": FREE_PATH}
 
 
 @dataclass(frozen=True, eq=False)
