@@ -17,39 +17,38 @@ smallest displacement is lower(T; v0, v1) = -upper(T; -v0, -v1). Any displacemen
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from study.problem import Floats
 
 
+def _arrays(*values: ArrayLike) -> list[Floats]:
+    return [np.asarray(value, dtype=float) for value in values]
+
+
 def two_limit_time(distance: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike) -> Floats:
     """Rest to rest under velocity and acceleration limits, s: bang-bang, or a trapezoid where the velocity limit binds."""
-    d, v, a = np.abs(distance), np.asarray(velocity, dtype=float), np.asarray(acceleration, dtype=float)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        ramp = np.where(np.isinf(a), 0.0, v / a)
-        return np.where(d <= v * ramp, 2 * np.sqrt(d / a), d / v + ramp)
+    d, v, a = _arrays(np.abs(distance), velocity, acceleration)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        ramp = v / a
+        return np.where(d < v * ramp, 2 * np.sqrt(d / a), d / v + np.where(np.isinf(a), 0.0, ramp))
 
 
 def three_limit_time(distance: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike) -> Floats:
-    """Rest to rest, also without acceleration, at both ends under velocity, acceleration and jerk limits, s.
+    """Rest to rest, also without acceleration, at both ends under velocity, acceleration and a finite jerk limit, s.
 
-    Up to seven phases of constant jerk, symmetric about the middle. With j the time at full jerk, k the time at full
-    acceleration and c the time at full velocity it lasts 4 j + 2 k + c; the three limits on j, then on k, are taken in turn.
+    Four phases of full jerk; two of full acceleration between them from a distance of 2 A^3 / J^2 on; one of full velocity
+    in the middle where the distance is longer than the two ramps, which take V / a + a / J each, a = min(A, sqrt(V J)).
     """
-    d = np.abs(np.asarray(distance, dtype=float))
-    v, a, jerk = (np.asarray(x, dtype=float) for x in (velocity, acceleration, jerk))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        by_jerk = np.minimum(np.minimum(np.cbrt(d / (2 * jerk)), np.sqrt(v / jerk)), a / jerk)
-        full_jerk = np.where(np.isinf(jerk), 0.0, by_jerk)
-        # distance = a (j + k) (2 j + k) with a = jerk j, and velocity = a (j + k)
-        peak = np.where(np.isinf(jerk), a, jerk * full_jerk)
-        by_distance = (np.sqrt(full_jerk**2 + 4 * d / peak) - 3 * full_jerk) / 2
-        flat = np.maximum(np.minimum(by_distance, v / peak - full_jerk), 0.0)
-        limited = (peak < a * (1 - 1e-15)) & np.isfinite(jerk)
-        flat = np.where(limited | (peak == 0), 0.0, flat)
-        top = np.where(np.isinf(peak), v, peak * (full_jerk + flat))
-        cruise = np.where(top > 0, d / top - (2 * full_jerk + flat), 0.0)
-    return 4 * full_jerk + 2 * flat + np.maximum(cruise, 0.0)
+    d, v, a, j = _arrays(np.abs(distance), velocity, acceleration, jerk)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        sharp = 4 * np.cbrt(d / (2 * j))
+        fade = a / j
+        top = (np.sqrt(np.square(a * fade) + 4 * a * d) - a * fade) / 2  # top^2 / A + top A / J = distance
+        short = np.where(d < 2 * a * np.square(fade), sharp, 2 * (top / a + fade))
+        peak = np.minimum(a, np.sqrt(v * j))
+        ramp = v / peak + peak / j
+        return np.where(d < v * ramp, short, d / v + ramp)
 
 
 def rest_to_rest_time(distance: ArrayLike, rates: Floats) -> Floats:
@@ -70,10 +69,10 @@ def largest_displacement(
     time: ArrayLike, start: ArrayLike, end: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
 ) -> Floats:
     """Largest displacement of any motion between two velocities in a given time, rad or m; see the module's notes."""
-    v0, v1 = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
-    w = (v0 + v1 + np.asarray(acceleration) * time) / 2
-    over = np.maximum(w - velocity, 0.0)
-    return (w**2 - over**2 - (v0**2 + v1**2) / 2) / acceleration
+    t, v0, v1, limit, a = _arrays(time, start, end, velocity, acceleration)
+    w = (v0 + v1 + a * t) / 2
+    over = np.maximum(w - limit, 0.0)
+    return (w**2 - over**2 - (v0**2 + v1**2) / 2) / a
 
 
 def shortest_time(
@@ -89,31 +88,30 @@ def shortest_time(
     velocity, acceleration : arrays
         Finite acceleration limit; the velocity limit may be infinite.
     """
-    d = np.asarray(distance, dtype=float)
+    d, v0, v1, limit, a = _arrays(distance, start, end, velocity, acceleration)
     flip = np.where(d < 0, -1.0, 1.0)
-    v0, v1 = flip * np.asarray(start, dtype=float), flip * np.asarray(end, dtype=float)
-    soonest = _time_at_peak(np.abs(d), v0, v1, velocity, acceleration)
-    return np.maximum(soonest, _end_of_gap(np.abs(d), v0, v1, soonest, velocity, acceleration))
+    d, v0, v1 = flip * d, flip * v0, flip * v1
+    soonest = _time_at_peak(d, v0, v1, limit, a)
+    return np.maximum(soonest, _end_of_gap(d, v0, v1, soonest, limit, a))
 
 
-def _time_at_peak(d: Floats, v0: Floats, v1: Floats, velocity: ArrayLike, acceleration: ArrayLike) -> Floats:
+def _time_at_peak(d: Floats, v0: Floats, v1: Floats, limit: Floats, a: Floats) -> Floats:
     """Smallest T >= |v1 - v0| / A with upper(T) >= d, for d >= 0, s; upper then grows with T."""
-    wanted = np.asarray(acceleration) * d + (v0**2 + v1**2) / 2
-    w = np.maximum(np.sqrt(np.maximum(wanted, 0.0)), np.maximum(v0, v1))
-    with np.errstate(invalid="ignore"):
-        flat = (wanted + np.square(velocity)) / (2 * np.asarray(velocity))  # from upper = d with w > V
-        w = np.where(w > velocity, flat, w)
-    return np.maximum((2 * w - v0 - v1) / acceleration, 0.0)
+    square = a * d + (v0**2 + v1**2) / 2
+    w = np.maximum(_peak(square, limit), np.maximum(v0, v1))
+    return np.maximum((2 * w - v0 - v1) / a, 0.0)
 
 
-def _end_of_gap(
-    d: Floats, v0: Floats, v1: Floats, time: Floats, velocity: ArrayLike, acceleration: ArrayLike
-) -> Floats:
+def _end_of_gap(d: Floats, v0: Floats, v1: Floats, time: Floats, limit: Floats, a: Floats) -> Floats:
     """Where even the smallest displacement at a time overshoots d: the first later time at which it no longer does, s."""
-    over = (v0**2 + v1**2) / 2 - np.asarray(acceleration) * d
-    deepest = np.sqrt(np.maximum(over, 0.0))
-    w = (np.asarray(acceleration) * time - v0 - v1) / 2
+    square = (v0**2 + v1**2) / 2 - a * d
+    lowest, w = _peak(square, limit), (a * time - v0 - v1) / 2
+    inside = (square > 0) & (np.abs(w) < lowest * (1 - 1e-12))
+    return np.where(inside, (2 * lowest + v0 + v1) / a, 0.0)
+
+
+def _peak(square: Floats, limit: Floats) -> Floats:
+    """Positive w with w^2 - max(w - V, 0)^2 = square."""
+    w = np.sqrt(np.maximum(square, 0.0))
     with np.errstate(invalid="ignore"):
-        root = np.where(deepest > velocity, (over + np.square(velocity)) / (2 * np.asarray(velocity)), deepest)
-    inside: NDArray[np.bool_] = (over > 0) & (np.abs(w) < root * (1 - 1e-12))
-    return np.where(inside, (2 * root + v0 + v1) / acceleration, 0.0)
+        return np.where(w > limit, (square + limit**2) / (2 * limit), w)
