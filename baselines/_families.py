@@ -9,8 +9,7 @@ import numpy as np
 
 from baselines._extremal import Critical, Slots, polynomial_critical
 from baselines._transcription import Rows, Scales, ca
-from study.curves import curve_named
-from study.curves.cubic_spline import accelerations
+from study.curves import cubic_spline, cubic_spline_smooth, curve_named
 from study.errors import StudyError
 from study.problem import Floats, Problem
 from study.trajectory import Trajectory
@@ -188,49 +187,70 @@ def hermite_quintic(step: Any, v1: Any, v2: Any, a1: Any, a2: Any) -> list[Any]:
 
 @dataclass(frozen=True)
 class CubicSpline:
-    """Clamped cubic spline: durations and the accelerations at the waypoints, tied by the spline's tridiagonal equations.
+    """Cubic splines: durations and the accelerations at the knots, tied by the spline's tridiagonal equations.
 
-    Acceleration is linear between waypoints, so its limits are bounds on variables; jerk is constant on every segment; only
-    velocity needs points.
+    Acceleration is linear between knots, so its limits are bounds on variables; jerk is constant on every piece; only
+    velocity needs points. The smooth spline halves its outer segments and has no acceleration at its ends, which fixes
+    the positions of the two knots in between.
     """
 
     n_waypoints: int
     n_joints: int
     orders: tuple[int, ...]
+    smooth: bool = False
 
     @property
     def key(self) -> tuple[Any, ...]:
         """What the model depends on."""
-        return ("cubic-spline", self.n_waypoints, self.n_joints, self.orders)
+        return ("cubic-spline", self.smooth, self.n_waypoints, self.n_joints, self.orders)
+
+    @property
+    def n_pieces(self) -> int:
+        """Pieces between knots."""
+        return self.n_waypoints + 1 if self.smooth else self.n_waypoints - 1
+
+    @property
+    def n_accelerations(self) -> int:
+        """Knots whose acceleration is unknown; as many as there are equations for one joint."""
+        return self.n_waypoints
 
     @property
     def slot_shapes(self) -> dict[int, tuple[int, int, int]]:
         """Points for velocity alone."""
-        return {1: (self.n_waypoints - 1, self.n_joints, 3)} if 1 in self.orders else {}
+        return {1: (self.n_pieces, self.n_joints, 3)} if 1 in self.orders else {}
 
     def rows(self) -> Rows:
-        """Build the symbolic model: equations of `study.curves.cubic_spline`, then jerk, then velocity at the points."""
-        n, joints = self.n_waypoints - 1, self.n_joints
-        h, m = ca.SX.sym("h", n), ca.SX.sym("m", n + 1, joints)
-        d, weights, u = ca.SX.sym("d", n, joints), ca.SX.sym("w", 3, joints), slot_symbols(self.slot_shapes)
-        wide = ca.repmat(h, 1, joints)
-        left, right = m[:-1, :] * wide**2, m[1:, :] * wide**2
-        pieces = [0 * d, d - left / 3 - right / 6, left / 2, (right - left) / 6]
-        start, stop = pieces[1] / wide, (pieces[1] + (left + right) / 2) / wide
-        rest = ca.SX.zeros(1, joints)
-        equations = ca.vec(ca.vertcat(start, rest) - ca.vertcat(rest, stop))
-        rows = [equations]
+        """Build the symbolic model: equal velocities at the knots, then jerk, then velocity at the points."""
+        joints = self.n_joints
+        h, m = ca.SX.sym("h", self.n_waypoints - 1), ca.SX.sym("m", self.n_accelerations, joints)
+        d, weights, u = ca.SX.sym("d", h.shape[0], joints), ca.SX.sym("w", 3, joints), slot_symbols(self.slot_shapes)
+        widths, knots, steps = _halved(h, m, d) if self.smooth else (h, m, d)
+        wide = ca.repmat(widths, 1, joints)
+        left, right = knots[:-1, :] * wide**2, knots[1:, :] * wide**2
+        pieces = [0 * steps, steps - left / 3 - right / 6, left / 2, (right - left) / 6]
+        rows = [ca.vec(self._equations(pieces[1] / wide, (pieces[1] + (left + right) / 2) / wide))]
         if 3 in self.orders:
-            rows.append(ca.vec((m[1:, :] - m[:-1, :]) / wide * ca.repmat(weights[2, :], n, 1)))
+            jerk = (knots[1:, :] - knots[:-1, :]) / wide
+            rows.append(ca.vec(jerk * ca.repmat(weights[2, :], self.n_pieces, 1)))
         if 1 in self.orders:
-            rows += rate_rows(pieces, h, weights[0, :], 1, u[1])
+            rows += rate_rows(pieces, widths, weights[0, :], 1, u[1])
         p = ca.vertcat(ca.vec(d), ca.vec(weights), *stacked(u))
-        return Rows(ca.vertcat(h, ca.vec(m)), p, ca.sum1(h), ca.vertcat(*rows), equal=(n + 1) * joints)
+        return Rows(ca.vertcat(h, ca.vec(m)), p, ca.sum1(h), ca.vertcat(*rows), equal=self.n_accelerations * joints)
+
+    def _equations(self, start: Any, stop: Any) -> Any:
+        """Velocity steps at the knots; at the ends the clamped spline has to come to rest, the smooth one does by itself."""
+        if self.smooth:
+            return start[1:, :] - stop[:-1, :]
+        rest = ca.SX.zeros(1, self.n_joints)
+        return ca.vertcat(start, rest) - ca.vertcat(rest, stop)
 
     def lift(self, problem: Problem, durations: Floats, scales: Scales) -> Floats:
         """Durations and the accelerations that follow from them."""
-        m = accelerations(problem.waypoints, durations[None])[0] * scales.time**2 / scales.position
-        return np.concatenate([durations / scales.time, flat(m)])
+        if self.smooth:
+            m = cubic_spline_smooth.accelerations(problem.waypoints, durations[None])[0, 1:-1]
+        else:
+            m = cubic_spline.accelerations(problem.waypoints, durations[None])[0]
+        return np.concatenate([durations / scales.time, flat(m * scales.time**2 / scales.position)])
 
     def durations(self, x: Floats, scales: Scales) -> Floats:
         """Durations of given variables, s."""
@@ -238,21 +258,22 @@ class CubicSpline:
 
     def motion(self, problem: Problem, x: Floats, scales: Scales) -> Trajectory:
         """Motion of the durations; the accelerations follow from them."""
-        return trajectory_of("cubic-spline", problem, self.durations(x, scales))
+        name = "cubic-spline-smooth" if self.smooth else "cubic-spline"
+        return trajectory_of(name, problem, self.durations(x, scales))
 
     def variable_bounds(self, problem: Problem, scales: Scales) -> tuple[Floats, Floats]:
         """Shortest durations, and the acceleration limits."""
         with np.errstate(divide="ignore"):
-            peak = np.broadcast_to(1 / scales.weights(problem)[1], (self.n_waypoints, self.n_joints))
+            peak = np.broadcast_to(1 / scales.weights(problem)[1], (self.n_accelerations, self.n_joints))
         lower = np.full(self.n_waypoints - 1, shortest_of(problem) / scales.time)
         return np.concatenate([lower, -flat(peak)]), np.concatenate([np.full_like(lower, np.inf), flat(peak)])
 
     def row_bounds(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> tuple[Floats, Floats]:
         """Zero for the equations, [-1, 1] for the limits."""
-        upper = [np.zeros(self.n_waypoints * self.n_joints)]
+        upper = [np.zeros(self.n_accelerations * self.n_joints)]
         if 3 in self.orders:
             finite = np.where(np.isfinite(problem.limits.jerk), 1.0, np.inf)
-            upper.append(flat(np.broadcast_to(finite, (self.n_waypoints - 1, self.n_joints))))
+            upper.append(flat(np.broadcast_to(finite, (self.n_pieces, self.n_joints))))
         upper += slot_bounds(slots, problem.limits.rates)
         return -np.concatenate(upper), np.concatenate(upper)
 
@@ -262,5 +283,13 @@ class CubicSpline:
         return np.concatenate([flat(steps), flat(scales.weights(problem)), *slot_values(slots)])
 
     def critical(self, problem: Problem, x: Floats, scales: Scales, order: int) -> Critical:
-        """Critical points of every segment."""
+        """Critical points of every piece."""
         return polynomial_critical(problem, self.motion(problem, x, scales), order)
+
+
+def _halved(h: Any, m: Any, d: Any) -> tuple[Any, Any, Any]:
+    """Widths, accelerations at the knots and steps of the smooth spline; its virtual knots stand m a^2 / 6 from the ends."""
+    widths = ca.vertcat(h[0] / 2, h[0] / 2, h[1:-1], h[-1] / 2, h[-1] / 2)
+    first, last = m[0, :] * (h[0] / 2) ** 2 / 6, m[-1, :] * (h[-1] / 2) ** 2 / 6
+    rest = ca.SX.zeros(1, d.shape[1])
+    return widths, ca.vertcat(rest, m, rest), ca.vertcat(first, d[0, :] - first, d[1:-1, :], d[-1, :] + last, -last)

@@ -61,9 +61,11 @@ def family_of(curve: str, problem: Problem) -> Family:
         return Poly353(joints, orders)
     if curve == "cubic-spline":
         return CubicSpline(n, joints, orders)
+    if curve == "cubic-spline-smooth":
+        return CubicSpline(n, joints, orders, smooth=True)
     if curve == "bspline":
         return BSpline(n, joints, orders)
-    raise unknown("transcription of curve", curve, ("poly353", "cubic-spline", "bspline"))
+    raise unknown("transcription of curve", curve, ("poly353", "cubic-spline", "cubic-spline-smooth", "bspline"))
 
 
 def optimise(
@@ -81,7 +83,7 @@ def optimise(
     ----------
     problem : Problem
     curve : str
-        `poly353`, `cubic-spline` or `bspline`.
+        A name in `study.curves.CURVES`.
     seed : int
         Of the starts after the first.
     count : int
@@ -103,11 +105,12 @@ def optimise(
     """
     require_casadi()
     family, began = curve_named(curve), time.perf_counter()
+    transcription = family_of(curve, problem)
     guesses = starts(problem, family, count, seed)
     if first is not None:
         guesses[0] = feasible(problem, family, np.asarray(first, dtype=float))
     scales = Scales.of(problem, guesses[0])
-    exchange = Exchange(family_of(curve, problem), problem, scales, began + time_limit, time_limit)
+    exchange = Exchange(transcription, problem, scales, began + time_limit, time_limit)
     found = list(_from_each(exchange, guesses))
     answer = _answer(exchange, found, curve, time.perf_counter() - began)
     return _not_above(answer, Scaled(problem, family).realise(np.array(guesses)))
