@@ -23,9 +23,9 @@ from study.planning import RunSettings, Status
 from study.problem import Floats, JointLimits, Problem
 from study.report.recording import APPLICATION, case_recording, merge, record_case
 from study.report.recording.contents import NANOSECOND, gather, method_colors, sample_times
+from study.report.recording.process import private_environment
 from study.report.recording.stream import entity, method
 from study.report.recording.summary import markdown, plain
-from study.report.recording.viewer import private_environment
 from study.robots import robot_named
 from study.trajectory import Motion, Trajectory
 

@@ -16,7 +16,7 @@ from PIL import Image
 
 from study.errors import StudyError
 from study.experiment.cases import load_case
-from study.report.recording import record_case, screenshot, view, viewer
+from study.report.recording import process, record_case, screenshot, view, viewer
 from tests.test_recording import some_results
 
 DRIVERS = ("/usr/share/vulkan/icd.d/*.json", "/usr/local/share/vulkan/icd.d/*.json", "/etc/vulkan/icd.d/*.json")
@@ -75,10 +75,20 @@ def test_a_tab_that_is_not_there_is_named(recording: Path, tmp_path: Path) -> No
         screenshot(recording, tmp_path / "a.png", tab="Velocities")
 
 
+@can_draw
+def test_without_a_driver_there_is_one_sentence(
+    recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("VK_DRIVER_FILES", "VK_ICD_FILENAMES"):
+        monkeypatch.setenv(name, str(tmp_path / "none.json"))
+    with pytest.raises(StudyError, match=r"needs a Vulkan driver.*: .*panicked at|ended early: .*panicked at"):
+        screenshot(recording, tmp_path / "a.png")
+
+
 def test_viewing_needs_a_file_and_a_display(recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(StudyError, match=r"no recording at .*gone\.rrd"):
         view(tmp_path / "gone.rrd")
-    monkeypatch.setattr(viewer.sys, "platform", "linux")
+    monkeypatch.setattr(process.sys, "platform", "linux")
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     with pytest.raises(StudyError, match=r"there is no display here"):
@@ -87,7 +97,7 @@ def test_viewing_needs_a_file_and_a_display(recording: Path, tmp_path: Path, mon
 
 def test_a_missing_viewer_is_one_sentence(recording: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("DISPLAY", ":0")
-    monkeypatch.setattr(viewer.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(process.importlib.util, "find_spec", lambda name: None)
     with pytest.raises(StudyError, match=r"the viewer is not installed; install it with"):
         view(recording)
 
@@ -104,11 +114,12 @@ def test_the_viewer_listens_on_loopback_with_statistics_off(recording: Path, mon
             return real(command, **options)  # type: ignore[call-overload]
         settings = Path(environment["XDG_CONFIG_HOME"]) / "rerun" / "analytics.json"
         assert '"analytics_enabled":false' in settings.read_text().replace(" ", "")
-        return SimpleNamespace(returncode=7, stderr="first\nlast words\n\n")
+        assert environment["https_proxy"] == "http://127.0.0.1:9"  # a closed port: looks for new releases end there
+        return SimpleNamespace(returncode=7, stderr="first\nError: last words\nReport bugs\n")
 
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setattr(viewer.subprocess, "run", run)
-    with pytest.raises(StudyError, match=r"ended with an error: last words$"):
+    with pytest.raises(StudyError, match=r"ended with an error: Error: last words$"):
         view(recording)
     command = calls[-1][0]
     assert command[command.index("--bind") + 1] == "127.0.0.1"

@@ -1,7 +1,8 @@
 """Recordings for the rerun viewer: one per case, all methods inside. Only this package imports rerun."""
 
 from study.report.recording.case_recording import APPLICATION, record_case
+from study.report.recording.live import LiveRecording, live_recording
 from study.report.recording.merging import merge
 from study.report.recording.viewer import screenshot, view
 
-__all__ = ["APPLICATION", "merge", "record_case", "screenshot", "view"]
+__all__ = ["APPLICATION", "LiveRecording", "live_recording", "merge", "record_case", "screenshot", "view"]

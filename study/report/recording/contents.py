@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from study.errors import StudyError
 from study.experiment.cases import Case
 from study.experiment.results import Result
 from study.experiment.summary import CURVE
-from study.problem import Floats
+from study.problem import Floats, JointLimits
 from study.report.activity import Use, limit_uses
 from study.report.featured import Featured, featured
 from study.report.rows import Entry, entries_of
@@ -65,14 +66,18 @@ class Shown:
     motion : Motion
         Of the method's representative run.
     color : tuple of three int
-    uses : tuple of Use
-        When which limit is active.
+    limits : JointLimits
     """
 
     entry: Entry
     motion: Motion
     color: tuple[int, int, int]
-    uses: tuple[Use, ...]
+    limits: JointLimits
+
+    @cached_property
+    def uses(self) -> tuple[Use, ...]:
+        """When which limit is active."""
+        return limit_uses(self.motion, self.limits)
 
     @property
     def label(self) -> str:
@@ -169,9 +174,7 @@ def gather(case: Case, results: Sequence[Result], samples: int) -> Contents:
     printed = sorted(_moving(entries, published=True), key=lambda pair: pair[1].duration)[:1]
     moving = [pair for pair in _moving(entries) if pair[0].row.kind != "published" or pair in printed]
     colors = method_colors([entry.label for entry, _ in moving], [entry.label for _, _, entry in chosen.present()])
-    shown = tuple(
-        Shown(entry, motion, colors[entry.label], limit_uses(motion, case.problem.limits)) for entry, motion in moving
-    )
+    shown = tuple(Shown(entry, motion, colors[entry.label], case.problem.limits) for entry, motion in moving)
     on_curve = [entry.row.best for entry in entries if entry.row.best is not None and entry.path == CURVE]
     return Contents(case, entries, chosen, shown, min(on_curve, default=np.inf), samples)
 

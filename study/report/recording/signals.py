@@ -21,9 +21,7 @@ SEVERAL = (200, 200, 200)
 def log_signals(stream: rr.RecordingStream, contents: Contents) -> None:
     """Write every method's `/q`, `/v`, `/a` and `/jerk` joint by joint, with limit lines and saturation marks."""
     log_key(stream, "methods", [(one.label, one.color) for one in contents.shown])
-    for order in range(4):
-        for joint in range(contents.case.problem.n_joints):
-            _log_limits(stream, contents, order, joint)
+    log_limits(stream, contents)
     names = contents.case.problem.joint_names
     for one in contents.shown:
         times = sample_times(one.motion, contents.samples)
@@ -34,6 +32,13 @@ def log_signals(stream: rr.RecordingStream, contents: Contents) -> None:
                 stream.log(path, rr.SeriesLines(names=one.label, colors=one.color, widths=1.5), static=True)
                 stream.send_columns(path, time_column(times), rr.Scalars.columns(scalars=values[:, joint]))
         _log_marks(stream, contents, one)
+
+
+def log_limits(stream: rr.RecordingStream, contents: Contents) -> None:
+    """Write the limit lines of every signal and joint that has limits."""
+    for order in range(4):
+        for joint in range(contents.case.problem.n_joints):
+            _log_limit(stream, contents, order, joint)
 
 
 def log_activity(stream: rr.RecordingStream, contents: Contents) -> None:
@@ -67,7 +72,7 @@ def limit_values(case: Case, order: int, joint: int) -> Floats | None:
     return pair if np.isfinite(pair).all() else None
 
 
-def _log_limits(stream: rr.RecordingStream, contents: Contents, order: int, joint: int) -> None:
+def _log_limit(stream: rr.RecordingStream, contents: Contents, order: int, joint: int) -> None:
     """Two rows, at the start and at the end of the longest motion: static scalars are not drawn."""
     pair = limit_values(contents.case, order, joint)
     if pair is None:

@@ -22,9 +22,14 @@ GAP_FLOOR = 1e-6
 
 def log_summary(stream: rr.RecordingStream, contents: Contents) -> None:
     """Write the Markdown table to `/summary`, the ladder of lost time to `/ladder`, all durations to `/durations`."""
+    log_standings(stream, contents)
+    log_bars(stream, "ladder", ladder_bars(contents))
+
+
+def log_standings(stream: rr.RecordingStream, contents: Contents) -> None:
+    """Write the table and the durations; written again, both replace what stood there."""
     text = rr.TextDocument(markdown(contents), media_type=rr.MediaType.MARKDOWN)
     stream.log("summary", text, static=True)
-    log_bars(stream, "ladder", ladder_bars(contents))
     log_bars(stream, "durations", [Bar(o.label, o.title, o.motion.duration, o.color) for o in contents.shown])
 
 
@@ -78,17 +83,26 @@ def log_convergence(stream: rr.RecordingStream, contents: Contents) -> None:
     Both stand on the timeline `evaluation`; the same gaps are drawn to `/convergence_curves` for every timeline.
     """
     colors = {one.label: one.color for one in contents.shown}
-    lines: list[Line] = []
     for entry in contents.entries:
         counts, values = history(entry)
-        if not len(values):
-            continue
         color = colors.get(entry.label, GREY)
-        _log_series(stream, entity("convergence", "value", method(entry.label)), (counts, values), color)
-        if np.isfinite(contents.best):
+        if len(values):
+            _log_series(stream, entity("convergence", "value", method(entry.label)), (counts, values), color)
+        if len(values) and np.isfinite(contents.best):
             gaps = log_gaps(values, contents.best)
             _log_series(stream, entity("convergence", "gap", method(entry.label)), (counts, gaps), color)
-            lines.append(Line(entry.label, np.column_stack([np.log10(counts), gaps]), color))
+    log_convergence_curves(stream, contents)
+
+
+def log_convergence_curves(stream: rr.RecordingStream, contents: Contents) -> None:
+    """Draw the gaps over evaluations; drawn again, they replace what stood there."""
+    colors = {one.label: one.color for one in contents.shown}
+    records = [(entry.label, *history(entry)) for entry in contents.entries]
+    lines = [
+        Line(label, np.column_stack([np.log10(counts), log_gaps(values, contents.best)]), colors.get(label, GREY))
+        for label, counts, values in records
+        if len(values) and np.isfinite(contents.best)
+    ]
     if lines:
         log_curves(stream, "convergence_curves", [*lines, *_references(contents, lines)])
 
