@@ -21,7 +21,7 @@ from study.experiment.lineup import Budget, Spec, make_cells
 from study.experiment.results import Result
 from study.experiment.runner import Task, execute
 from study.problem import Problem
-from study.report.page import build_report
+from study.report.page import STANDINGS, build_report
 from study.report.tables import COLUMNS, raw
 
 NASTY = "<script>alert('x')</script> & \"q\" $y$ {{ 7*7 }}"
@@ -219,7 +219,7 @@ def test_infeasible_never_stands_above_feasible(report: Path) -> None:
     for name, text, _ in pages(report):
         rows = [(group, dict(zip(keys, cells, strict=True))) for group, cells in ResultsTable(text).rows]
         groups = [group for group, _ in rows]
-        assert groups == sorted(groups, key=["feasible", "infeasible", "unjudged"].index), name
+        assert groups == sorted(groups, key=list(STANDINGS).index), name
         for group, row in rows:
             assert (not row["feasible"].startswith("0/")) == (group == "feasible"), row
             assert bool(row["rank"]) == (group == "feasible"), row

@@ -17,7 +17,7 @@ import pytest
 from study.experiment.cases import load_case
 from study.experiment.lineup import Budget, Spec, make_cells
 from study.experiment.runner import Task, execute
-from study.report.page import build_report
+from study.report.page import STANDINGS, build_report
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium is installed")
@@ -139,7 +139,7 @@ def test_sorting_never_lifts_an_infeasible_method(look: Look) -> None:
     steps = look("woodworking.html", 1280).probe["steps"]
     groups = [[name for name, _ in step["order"]] for step in steps]
     assert all(group == groups[0] for group in groups)
-    assert groups[0] == sorted(groups[0], key=["feasible", "infeasible", "unjudged"].index)
+    assert groups[0] == sorted(groups[0], key=list(STANDINGS).index)
     members = [{name: sorted(values) for name, values in step["order"]} for step in steps[:2]]
     assert members[0] == members[1]
 

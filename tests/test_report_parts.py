@@ -288,3 +288,34 @@ def test_an_infeasible_featured_row_is_marked(tiny_case: Case) -> None:
     assert not best.row.feasible
     assert best.motion is not None
     assert not judge(tiny_case.problem, best.motion).feasible
+
+
+def test_a_bound_is_neither_feasible_nor_infeasible(wood: tuple[Case, tuple[Entry, ...]]) -> None:
+    case, entries = wood
+    cell = Cell(case.name, "bound", "bound", RunSettings("poly353"))
+    bound = Result(cell, Status.FINISHED, "", None, None, None, 0, 0, np.empty((0, 2)), {"lower_bound": 3.0}, 0.1)
+    refused = replace(bound, cell=replace(cell, label="refused"), status=Status.NOT_APPLICABLE, details={})
+    results = [one for entry in entries for one in entry.results]
+    standing = {one.label: one for one in entries_of(case, [*results, bound, refused])}
+    assert standing["bound"].standing == "bound"
+    assert standing["refused"].standing == "inapplicable"
+    assert standing["direct"].gap_to_bound == pytest.approx(standing["direct"].row.median / 3.0 - 1.0)
+    assert all(one.gap_to_bound is None for one in entries)
+
+
+def test_without_acceleration_limits_a_free_path_is_no_opponent() -> None:
+    search, plain, free = entry("search", 10.5), entry("deterministic", 10.0), entry("deterministic", 3.0, FREE_PATH)
+    fair = picked(search, plain, free=entry("deterministic", 8.0, FREE_PATH))
+    unfair = replace(picked(search, plain, free=free), velocity_only=True)
+    last = answer([fair, unfair])[-1]
+    assert "20.0 % less time (1 case)" in last
+    assert last.endswith("not counted: 1 case without acceleration limits.")
+
+
+def test_level_free_paths_share_a_rung(wood: tuple[Case, tuple[Entry, ...]]) -> None:
+    case, entries = wood
+    stops = next(one.results[0] for one in entries if one.label == "ruckig-stops")
+    twin = replace(stops, cell=replace(stops.cell, label="twin", planner="twin"))
+    both = entries_of(case, [*(one for entry in entries for one in entry.results), twin])
+    methods = [rung.method for rung in ladder_of(case, both, featured(both))]
+    assert "ruckig-stops, twin" in methods

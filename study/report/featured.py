@@ -40,7 +40,9 @@ class Featured:
     free, fixed : Entry, optional
         Fastest deterministic method with a free path, and on a fixed one.
     published : Entry, optional
-        Shortest total that the paper prints.
+        Shortest total that the paper prints; one with segment durations, which can be judged, if there is any.
+    velocity_only : bool
+        Whether a joint has no acceleration limit, so that a motion off the curve may change its speed in an instant.
     """
 
     search: Entry | None
@@ -48,6 +50,7 @@ class Featured:
     free: Entry | None
     fixed: Entry | None
     published: Entry | None
+    velocity_only: bool = False
 
     def present(self) -> list[tuple[int, str, Entry]]:
         """Style number, role and entry of every kind that there is."""
@@ -66,19 +69,20 @@ def is_metaheuristic(entry: Entry) -> bool:
     return entry.row.kind == "search" and entry.planner not in PLAIN_SEARCHES
 
 
-def featured(entries: Sequence[Entry]) -> Featured:
+def featured(entries: Sequence[Entry], velocity_only: bool = False) -> Featured:
     """Pick the entry of every kind; entries are ranked, so the first of a kind is its best."""
     plain = [entry for entry in entries if entry.row.kind == "deterministic"]
     return Featured(
         search=_first(entry for entry in entries if is_metaheuristic(entry) and entry.path == CURVE),
         optimiser=_cheapest_of_level([entry for entry in plain if entry.path == CURVE]),
-        free=_first(entry for entry in plain if entry.path == FREE_PATH),
-        fixed=_first(entry for entry in plain if entry.path == FIXED_PATH),
+        free=_cheapest_of_level([entry for entry in plain if entry.path == FREE_PATH]),
+        fixed=_cheapest_of_level([entry for entry in plain if entry.path == FIXED_PATH]),
         published=min(
             (entry for entry in entries if entry.row.kind == "published" and entry.row.joint is None),
-            key=lambda entry: np.inf if entry.duration is None else entry.duration,
+            key=lambda entry: (entry.motion is None, np.inf if entry.duration is None else entry.duration),
             default=None,
         ),
+        velocity_only=velocity_only,
     )
 
 

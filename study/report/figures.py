@@ -140,12 +140,7 @@ def _shade(axes: Axes, low: float, high: float, bottom: float, top: float) -> No
 def convergence(key: str, curves: Sequence[Convergence], reference: tuple[str, float] | None) -> Markup:
     """Plot the time above the shortest known against evaluations: the median over seeds, the quartiles as a band.
 
-    Parameters
-    ----------
-    key : str
-    curves : sequence of Convergence
-    reference : tuple of name and time in s, optional
-        The deterministic optimum; a line where a search went below it.
+    The reference, a name and a time in s, is drawn where a search went below it.
     """
     ends = [float(np.nanmin(curve.lower)) for curve in curves if np.isfinite(curve.lower).any()]
     shortest = min([*ends, *([reference[1]] if reference else [])], default=1.0)
@@ -193,13 +188,7 @@ def _converging(axes: Axes, curve: Convergence, shortest: float) -> None:
 def headline(key: str, rows: Sequence[HeadlineRow], reference: str, width: float) -> Markup:
     """Plot every case's methods as percent of time above or below the reference.
 
-    Parameters
-    ----------
-    key : str
-    rows : sequence of HeadlineRow
-    reference : str
-        What 0 % stands for.
-    width : float, pixels
+    The reference is what 0 % stands for; the width is in pixels.
     """
     with mpl.rc_context(RC):
         figure = _figure(width, 60 + 66 * len(rows))
@@ -256,7 +245,7 @@ def ladder(key: str, bars: Sequence[Bar]) -> Markup:
     with mpl.rc_context(RC):
         figure = _figure(720, 46 * len(bars) + 52)
         axes = figure.subplots()
-        _margins(figure, 6, 6, 42, 4)
+        _margins(figure, 14, 6, 42, 4)
         axes.tick_params(length=0)
         longest = max(bar.seconds for bar in bars)
         for level, bar in enumerate(bars):
@@ -288,7 +277,7 @@ def segments(key: str, series: Sequence[Series]) -> Markup:
     with mpl.rc_context(RC):
         figure = _figure(720, 46 * len(series) + 52)
         axes = figure.subplots()
-        _margins(figure, 6, 10, 42, 4)
+        _margins(figure, 14, 10, 42, 4)
         _grid(axes, "x")
         for level, one in enumerate(series):
             times = one.motion.waypoint_times

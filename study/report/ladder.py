@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from study.experiment.cases import Case
 from study.report.featured import Featured
-from study.report.rows import CURVE, FREE_PATH, Entry
+from study.report.rows import CURVE, FREE_PATH, Entry, lower_bound
 from study.report.wording import plural
 
+SAME = 1e-6
+"""Times closer than this share stand on one rung."""
+
+FREE_CAUSE = "the path between waypoints is free"
 CAUSES = {
     "toppra": "the path is given, but the speed along it is not tied to the form of the curve",
     "ruckig-stops": "the path between waypoints is free, but the arm stops at each of them",
     "ruckig-via": "the path between waypoints is free and the arm passes them in motion",
 }
-BOUND = "lower_bound"
-"""Key of `Result.details` under which a planner proves how short a motion of its own kind can be at best, s."""
 
 
 @dataclass(frozen=True)
@@ -58,13 +60,25 @@ def ladder_of(case: Case, entries: Sequence[Entry], best: Featured) -> tuple[Run
     """Climb down from the published result as far as there are results; fewer than two rungs make no ladder."""
     rungs: list[Rung] = []
     for name, entry, seconds, cause in _steps(case, entries, best):
-        if seconds is not None:
+        if seconds is not None and _joins(rungs, entry, seconds):
+            rungs[-1] = replace(rungs[-1], method=f"{rungs[-1].method}, {entry.label}", cause=FREE_CAUSE)
+        elif seconds is not None:
             change = seconds - _base(rungs, entry.path) if rungs else None
             feasible = entry.row.feasible or name == "Lower bound"
             rungs.append(
                 Rung(name, entry.label.removeprefix("published: "), entry.path, feasible, seconds, change, cause)
             )
     return tuple(rungs) if len(rungs) > 1 else ()
+
+
+def _joins(rungs: Sequence[Rung], entry: Entry, seconds: float) -> bool:
+    """Whether a free path takes the same time as the one before it."""
+    above = rungs[-1] if rungs else None
+    return (
+        above is not None
+        and above.path == entry.path == FREE_PATH
+        and abs(seconds - above.seconds) <= SAME * above.seconds
+    )
 
 
 def _base(rungs: Sequence[Rung], path: str) -> float:
@@ -85,17 +99,16 @@ def _steps(case: Case, entries: Sequence[Entry], best: Featured) -> Iterator[Ste
             "Deterministic optimum, same curve",
             best.optimiser,
             best.optimiser.duration,
-            cause + _proof(best.optimiser),
+            cause + _proof(entries),
         )
     others = [entry for entry in entries if entry.row.kind == "deterministic" and entry.path == FREE_PATH]
     others = [entry for entry in others if entry.row.feasible] + ([best.fixed] if best.fixed is not None else [])
     for entry in sorted(others, key=lambda entry: -(entry.duration or 0.0)):
-        cause = CAUSES.get(entry.planner, "the path between waypoints is free")
+        cause = CAUSES.get(entry.planner, FREE_CAUSE)
         yield entry.path.capitalize(), entry, entry.duration, cause
     for entry in entries:
-        if entry.motion is None and entry.results:
-            cause = "proved: no motion through the waypoints is faster"
-            yield "Lower bound", entry, entry.results[0].details.get(BOUND), cause
+        if entry.standing == "bound":
+            yield "Lower bound", entry, entry.bound, "proved: no motion through the waypoints is faster"
 
 
 def _search_steps(case: Case, entries: Sequence[Entry]) -> Iterator[Step]:
@@ -123,6 +136,6 @@ def _under(entries: Sequence[Entry], rule: str) -> list[Entry]:
     return [entry for entry in entries if entry.results[0].cell.settings.synchronisation == rule]
 
 
-def _proof(entry: Entry) -> str:
-    bound = entry.results[0].details.get(BOUND) if entry.results else None
+def _proof(entries: Sequence[Entry]) -> str:
+    bound = lower_bound(entries, CURVE)
     return "" if bound is None else f"; proved that no less than {bound:.6g} s is possible on it"

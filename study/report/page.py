@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
@@ -20,12 +21,21 @@ from study.report.convergence import convergence_of
 from study.report.featured import ROLE_NAMES, ROLES, Featured, featured
 from study.report.ladder import Rung, ladder_of
 from study.report.papers import paper_of
-from study.report.rows import MEANING, Entry, entries_of
+from study.report.rows import MEANING, Entry, entries_of, lower_bound
 from study.report.sentences import answer
 from study.report.tables import COLUMNS, Record, raw, result_record, write_tables
 
 TOO_LONG = 3.0
-"""A motion that takes so many times as long as the shortest would squeeze the others' profiles; it is left out of them."""
+"""A motion that takes so many times as long as the reference would squeeze the others' profiles; it is left out of them."""
+
+STANDINGS = {
+    "feasible": "",
+    "infeasible": "Infeasible: a limit is broken, or no motion was found",
+    "inapplicable": "Does not apply to this case",
+    "bound": "Proved lower bounds: times that no motion through the waypoints can undercut",
+    "unjudged": "Printed without segment durations: nothing to judge",
+}
+"""Groups of the results table and their heads; sorting moves rows inside a group only."""
 
 HATCHES = {"paper's curve": "", "fixed path": "...", "free path": "///"}
 
@@ -87,7 +97,7 @@ def _case_reports(cases: Mapping[str, Case], results: Sequence[Result], out: Pat
     reports: list[CaseReport] = []
     for case in cases.values():
         entries = entries_of(case, results)
-        best = featured(entries)
+        best = featured(entries, bool(np.isinf(case.problem.limits.acceleration).any()))
         slug = _slug(case.name, {report.slug for report in reports})
         recording = out.parent / "recordings" / f"{case.name}.rrd"
         link = f"../recordings/{quote(case.name)}.rrd" if recording.is_file() else None
@@ -157,7 +167,7 @@ def headline_row(report: CaseReport) -> drawn.HeadlineRow | None:
             best = entry.row.best if role == "search" else None
             spread = None if best is None else best / reference.duration
             marks.append(drawn.Mark(style, entry.duration / reference.duration, entry.row.feasible, spread))
-    return drawn.HeadlineRow(report.case.name, tuple(marks))
+    return drawn.HeadlineRow(report.case.name + " †" * report.best.velocity_only, tuple(marks))
 
 
 def _case_page(report: CaseReport, environment: Mapping[str, str]) -> str:
@@ -167,8 +177,8 @@ def _case_page(report: CaseReport, environment: Mapping[str, str]) -> str:
         if entry.motion is not None
     ]
     problem = report.case.problem
-    shortest = min((one.motion.duration for one in series), default=0.0)
-    near = [one for one in series if one.motion.duration <= TOO_LONG * shortest]
+    usual = report.best.reference.duration if report.best.reference else None
+    near = [one for one in series if one.motion.duration <= TOO_LONG * (usual or one.motion.duration)]
     pictures = {
         "profiles": [
             figures.profile(f"profile-{joint}", problem, joint, report.case.units[joint], near)
@@ -186,6 +196,7 @@ def _case_page(report: CaseReport, environment: Mapping[str, str]) -> str:
             "problem": problem,
             "paper": paper_of(report.case.paper),
             "groups": _groups(report),
+            "known": _known(report),
             "single": [entry for entry in report.entries if entry.row.joint is not None],
             "featured": report.best.present(),
             "series": series,
@@ -203,19 +214,23 @@ def _case_page(report: CaseReport, environment: Mapping[str, str]) -> str:
 def _groups(report: CaseReport) -> list[tuple[str, str, list[tuple[Entry, Record]]]]:
     """Rows of the results table in the groups that sorting keeps apart: feasible, infeasible, never judged."""
     whole = [(entry, result_record(report.case, entry)) for entry in report.entries if entry.row.joint is None]
-    return [
-        ("feasible", "", [pair for pair in whole if pair[0].row.feasible]),
-        (
-            "infeasible",
-            "Infeasible: a limit is broken, or no motion was found",
-            [pair for pair in whole if not pair[0].row.feasible and pair[0].row.representative],
-        ),
-        (
-            "unjudged",
-            "Printed without segment durations: nothing to judge",
-            [pair for pair in whole if pair[0].row.representative is None],
-        ),
-    ]
+    return [(name, head, [pair for pair in whole if pair[0].standing == name]) for name, head in STANDINGS.items()]
+
+
+def _known(report: CaseReport) -> list[tuple[str, float, str]]:
+    """Best feasible times and proved bounds of the case: what, seconds, by which method."""
+    ranked = [entry for entry in report.entries if entry.rank is not None and entry.row.best is not None]
+    facts = []
+    for path in MEANING:
+        of_path = [entry for entry in ranked if entry.path == path]
+        if of_path:
+            best = min(of_path, key=lambda entry: entry.row.best or 0.0)
+            facts.append((f"best known, {path}", best.row.best or 0.0, best.label))
+        if (bound := lower_bound(report.entries, path)) is not None:
+            facts.append((f"proved lower bound, {path}", bound, ""))
+    if (bound := lower_bound(report.entries)) is not None:
+        facts.append(("proved lower bound, any motion", bound, ""))
+    return facts
 
 
 def _ladder_figure(rungs: Sequence[Rung]) -> Markup | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
@@ -13,8 +13,13 @@ from study.errors import StudyError
 from study.experiment.cases import Case
 from study.experiment.results import Result
 from study.experiment.summary import CURVE, FIXED_PATH, FREE_PATH, Row, case_rows
+from study.planning import Status
 from study.problem import Problem
 from study.trajectory import Motion
+
+BOUND = "lower_bound"
+"""Key of `Result.details` under which a planner proves how short a motion of its own kind can be at best, s; one that
+has no motion to show speaks of any motion through the waypoints."""
 
 MEANING = {
     CURVE: "the curve family of the paper; a method chooses the segment durations and nothing else",
@@ -39,6 +44,8 @@ class Entry:
         Median over the shortest feasible time known for the same kind of path, minus one.
     results : tuple of Result
         All runs, by seed; empty for a published row.
+    gap_to_bound : float, optional
+        Median over the proved lower bound of any motion through the waypoints, minus one.
     """
 
     row: Row
@@ -46,6 +53,7 @@ class Entry:
     rank: int | None
     gap: float | None
     results: tuple[Result, ...]
+    gap_to_bound: float | None = None
 
     @property
     def label(self) -> str:
@@ -61,6 +69,23 @@ class Entry:
     def motion(self) -> Motion | None:
         """Motion of the representative run."""
         return self.row.representative.motion if self.row.representative else None
+
+    @property
+    def bound(self) -> float | None:
+        """Proved lower bound of this method's kind of motion, s."""
+        shared = [one for one in self.results if one.cell.settings.synchronisation == "shared"]
+        return max((one.details[BOUND] for one in shared if BOUND in one.details), default=None)
+
+    @property
+    def standing(self) -> str:
+        """Group in the results table: feasible, infeasible, inapplicable, bound or unjudged."""
+        if self.row.representative is None:
+            return "unjudged"
+        if self.motion is None and self.bound is not None:
+            return "bound"
+        if self.row.representative.status is Status.NOT_APPLICABLE:
+            return "inapplicable"
+        return "feasible" if self.row.feasible else "infeasible"
 
     @property
     def duration(self) -> float | None:
@@ -84,7 +109,7 @@ def entries_of(case: Case, results: Sequence[Result]) -> tuple[Entry, ...]:
         if row.best is not None and row.joint is None:
             shortest[path] = min(row.best, shortest.get(path, row.best))
     places = count(1)
-    return tuple(
+    entries = tuple(
         Entry(
             row,
             path,
@@ -94,6 +119,19 @@ def entries_of(case: Case, results: Sequence[Result]) -> tuple[Entry, ...]:
         )
         for row, path in rows
     )
+    bound = lower_bound(entries)
+    if bound is None:
+        return entries
+    return tuple(
+        replace(one, gap_to_bound=one.row.median / bound - 1.0) if one.gap is not None and one.row.median else one
+        for one in entries
+    )
+
+
+def lower_bound(entries: Sequence[Entry], path: str = "") -> float | None:
+    """Highest proved lower bound, s: of any motion through the waypoints, or of motions of one kind of path."""
+    known = [one.bound for one in entries if one.path == path and (path or one.motion is None)]
+    return max((bound for bound in known if bound is not None), default=None)
 
 
 def path_of(case: Case, row: Row) -> str:

@@ -93,8 +93,8 @@ def _walls(values: Sequence[float]) -> str:
 
 def _what_the_curve_costs(cases: Sequence[Featured]) -> str:
     parts, gains = [], []
-    for role, words in (("free", "with a free path between the waypoints"), ("fixed", "along a fixed path")):
-        pairs = [(getattr(case, role), case.reference) for case in cases]
+    for role, words in (("free", "with the path between the waypoints free"), ("fixed", "along a fixed path")):
+        pairs = [(getattr(case, role), case.reference) for case in cases if not case.velocity_only]
         gaps = [_relative(entry, plain) for entry, plain in pairs if entry and plain and entry.row.feasible]
         gains += gaps
         if gaps:
@@ -103,5 +103,7 @@ def _what_the_curve_costs(cases: Sequence[Featured]) -> str:
         return ""
     losses = [abs(_relative(search, plain)) for search, plain in _compared(cases)]
     lead = "What costs time is the curve, not the search: " if losses and max(gains) < -max(losses) else ""
-    text = f"against the optimum on the paper's curve, {', and '.join(parts)}."
-    return lead + (text if lead else text[0].upper() + text[1:])
+    text = f"against the optimum on the paper's curve, {', and '.join(parts)}"
+    unlimited = sum(case.velocity_only for case in cases)
+    aside = f"; not counted: {plural(unlimited, 'case')} without acceleration limits" if unlimited else ""
+    return lead + (text if lead else text[0].upper() + text[1:]) + aside + "."

@@ -77,7 +77,7 @@ ARROW = {str: pa.string(), int: pa.int64(), float: pa.float64(), bool: pa.bool_(
 SCHEMAS: dict[str, dict[str, type]] = {
     "results": {
         **dict.fromkeys(("case",), str), "rank": int, **dict.fromkeys(("method", "kind", "path"), str),
-        **dict.fromkeys(("median_s", "best_s", "gap_same_path", "gap_any_path"), float), "feasible": str,
+        **dict.fromkeys(("median_s", "best_s", "gap_same_path", "gap_any_path", "gap_to_bound"), float), "feasible": str,
         **dict.fromkeys(("runs", "feasible_runs"), int), "worst_ratio": float, "evaluations": int,
         **dict.fromkeys(("wall_s", "claimed_s"), float), **dict.fromkeys(("reason", "command"), str),
     },
@@ -124,6 +124,7 @@ def result_record(case: Case, entry: Entry) -> Record:
         "best_s": _float(row.best),
         "gap_same_path": _float(entry.gap),
         "gap_any_path": _float(row.gap),
+        "gap_to_bound": _float(entry.gap_to_bound),
         "feasible": f"{row.feasible_runs}/{row.runs}",
         "runs": row.runs,
         "feasible_runs": row.feasible_runs,
