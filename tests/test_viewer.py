@@ -5,6 +5,7 @@ from __future__ import annotations
 import glob
 import os
 import subprocess
+import time
 import zlib
 from io import BytesIO
 from pathlib import Path
@@ -13,10 +14,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from PIL import Image
+from rerun.experimental import ViewerClient
 
 from study.errors import StudyError
 from study.experiment.cases import load_case
-from study.report.recording import process, record_case, screenshot, view, viewer
+from study.report.recording import live_recording, process, record_case, screenshot, view, viewer
 from tests.test_recording import some_results
 
 DRIVERS = ("/usr/share/vulkan/icd.d/*.json", "/usr/local/share/vulkan/icd.d/*.json", "/etc/vulkan/icd.d/*.json")
@@ -62,8 +64,8 @@ def test_every_tab_is_drawn_without_complaint(recording: Path) -> None:
 @can_draw
 @pytest.mark.timeout(120)
 def test_a_screenshot_shows_the_chosen_time(recording: Path, tmp_path: Path) -> None:
-    for name, time in (("start", 0.0), ("middle", 4.0)):
-        assert screenshot(recording, tmp_path / f"{name}.png", time) == []
+    for name, instant in (("start", 0.0), ("middle", 4.0)):
+        assert screenshot(recording, tmp_path / f"{name}.png", instant) == []
     start, middle = (pixels((tmp_path / f"{name}.png").read_bytes()) for name in ("start", "middle"))
     assert (start != middle).any(axis=2).mean() > 1e-3  # the arms have moved
 
@@ -124,3 +126,31 @@ def test_the_viewer_listens_on_loopback_with_statistics_off(recording: Path, mon
     command = calls[-1][0]
     assert command[command.index("--bind") + 1] == "127.0.0.1"
     assert not Path(calls[-1][1]["XDG_CONFIG_HOME"]).exists()
+
+
+@can_draw
+@pytest.mark.timeout(120)
+def test_results_arrive_in_an_open_viewer() -> None:
+    case = load_case("woodworking")
+    with live_recording(hidden=(1280, 720)) as (live, url):
+        client = ViewerClient.connect(url)
+        for result in some_results(case):
+            live.add(case, result)
+        live.close()
+        deadline = time.monotonic() + 20
+        while not client.get_state().views and time.monotonic() < deadline:
+            time.sleep(0.1)
+        assert {view.name for view in client.get_state().views} >= {"Convergence", "Table", "Durations"}
+        picture = pixels(viewer.settled_picture(client))
+        assert (np.ptp(picture.astype(int), axis=2) > 60).mean() > 5e-4
+        assert viewer.complaints(client) == []
+        with pytest.raises(StudyError, match=r"got a result of case 'woodworking'"):
+            live.add(load_case("puma560"), some_results(case)[0])
+
+
+def test_live_recording_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(process.sys, "platform", "linux")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    with pytest.raises(StudyError, match=r"cannot show the run live: there is no display"), live_recording():
+        pass

@@ -26,7 +26,7 @@ def layout(contents: Contents, scene: Scene | None) -> rrb.Blueprint:
     tabs: list[Part] = [_overview(contents, scene), *(_signal_tab(contents, order) for order in range(4))]
     tabs += _activity(contents)
     tabs += _convergence(contents)
-    tabs.append(_drawing("Durations", "durations", bars_bounds(len(contents.shown))))
+    tabs.append(drawing("Durations", "durations", bars_bounds(len(contents.shown))))
     if scene is not None:
         tabs.append(rrb.Grid(*(_arm(one, scene) for one in contents.shown), name="All arms"))
     return rrb.Blueprint(
@@ -42,7 +42,7 @@ def layout(contents: Contents, scene: Scene | None) -> rrb.Blueprint:
 def _overview(contents: Contents, scene: Scene | None) -> rrb.Container:
     words = rrb.Vertical(
         rrb.TextDocumentView(name="Summary", origin="summary"),
-        _drawing("Ladder of lost time", "ladder", bars_bounds(len(ladder_bars(contents)))),
+        drawing("Ladder of lost time", "ladder", bars_bounds(len(ladder_bars(contents)))),
         row_shares=[3, 2],
     )
     plots = rrb.Horizontal(
@@ -69,7 +69,7 @@ def active_signals(contents: Contents, wanted: int = 3) -> list[tuple[int, int]]
 
 def _signal_tab(contents: Contents, order: int) -> rrb.Container:
     joints = range(contents.case.problem.n_joints)
-    key = _drawing("Methods", "methods", key_bounds(len(contents.shown)))
+    key = drawing("Methods", "methods", key_bounds(len(contents.shown)))
     plots = rrb.Grid(*(_plot(contents, order, joint) for joint in joints))
     return rrb.Vertical(key, plots, row_shares=[1, 6], name=TITLES[order])
 
@@ -111,7 +111,8 @@ def _arm(one: Shown, scene: Scene) -> rrb.Spatial3DView:
     return rrb.Spatial3DView(name=one.title, origin=entity("arms", method(one.label)), eye_controls=eye)
 
 
-def _drawing(name: str, origin: str, bounds: Bounds) -> rrb.Spatial2DView:
+def drawing(name: str, origin: str, bounds: Bounds) -> rrb.Spatial2DView:
+    """Show a drawing that does not depend on time, all of it."""
     limits = rrb.VisualBounds2D(x_range=bounds[0], y_range=bounds[1])
     return rrb.Spatial2DView(name=name, origin=origin, visual_bounds=limits)
 
@@ -126,7 +127,7 @@ def _convergence(contents: Contents) -> list[Part]:
         rrb.TimeSeriesView(name="Best objective so far, s", origin="convergence/value"),
         name=f"Convergence (choose timeline “{EVALUATION}”)",
     )
-    return [_drawing("Convergence", "convergence_curves", curves_bounds(searches)), series]
+    return [drawing("Convergence", "convergence_curves", curves_bounds(searches)), series]
 
 
 def _activity(contents: Contents) -> list[Part]:
@@ -138,5 +139,5 @@ def _activity(contents: Contents) -> list[Part]:
     ]
     if not lanes:
         return []
-    key = _drawing("Joints", "joints", key_bounds(contents.case.problem.n_joints + 1))
+    key = drawing("Joints", "joints", key_bounds(contents.case.problem.n_joints + 1))
     return [rrb.Vertical(key, *lanes, row_shares=[1, *[9 / len(lanes)] * len(lanes)], name="Limits in use")]

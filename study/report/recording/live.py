@@ -12,22 +12,26 @@ import rerun.blueprint as rrb
 from study.errors import StudyError
 from study.experiment.cases import Case
 from study.experiment.results import Result
-from study.report.recording.contents import Contents, gather, sample_times, seconds
+from study.report.recording.contents import gather, sample_times, seconds
+from study.report.recording.layout import drawing
 from study.report.recording.pictures import bars_bounds, curves_bounds
 from study.report.recording.process import address, require_display, running_viewer
 from study.report.recording.signals import log_limits
 from study.report.recording.stream import APPLICATION, SIGNALS, TIMELINE, entity, method, strict, time_column
 from study.report.recording.summary import log_convergence_curves, log_standings
 
-PAUSE = 0.5
+PAUSE = 2.0
 """Least time between two drawings of one case's standings, s."""
+
+EXPECTED = 24
+"""How many methods the drawings have room for before a reader has to zoom out."""
 
 
 class LiveRecording:
     """A recording per case that grows while the study runs.
 
     Every finished run adds its velocities, accelerations and jerks at once; the table, the bars of durations and the
-    curves of convergence are drawn again at most twice a second, and once more at the end.
+    curves of convergence are drawn again every few seconds at most, and once more at the end.
 
     Parameters
     ----------
@@ -80,6 +84,7 @@ class LiveRecording:
             stream.connect_grpc(self._url)
             rr.set_log_time_enabled(False, recording=stream)
             stream.send_recording_name(f"{case.title} (live)")
+            stream.send_blueprint(_layout(case))  # once, so that a reader's own choice of tab is kept
             self._streams[case.name] = stream
         return self._streams[case.name]
 
@@ -89,7 +94,6 @@ class LiveRecording:
         log_standings(stream, contents)
         log_limits(stream, contents)
         log_convergence_curves(stream, contents)
-        stream.send_blueprint(_layout(contents))
         self._drawn[case.name] = clock.monotonic()
 
     def _log_run(self, stream: rr.RecordingStream, case: Case, result: Result) -> None:
@@ -134,27 +138,23 @@ def live_recording(hidden: tuple[int, int] | None = None) -> Iterator[tuple[Live
             live.close()
 
 
-def _layout(contents: Contents) -> rrb.Blueprint:
-    bars, curves = bars_bounds(max(len(contents.shown), 1)), curves_bounds(len(contents.entries))
-    joints = contents.case.problem.joint_names[:3]
-    words = rrb.Vertical(
-        rrb.TextDocumentView(name="Standings", origin="summary"),
-        rrb.Spatial2DView(
-            name="Durations", origin="durations", visual_bounds=rrb.VisualBounds2D(x_range=bars[0], y_range=bars[1])
-        ),
-    )
-    plots = [rrb.TimeSeriesView(name=f"Velocity of {name}", origin=entity("v", name)) for name in joints]
-    right = rrb.Vertical(
-        rrb.Spatial2DView(
-            name="Convergence",
-            origin="convergence_curves",
-            visual_bounds=rrb.VisualBounds2D(x_range=curves[0], y_range=curves[1]),
-        ),
-        rrb.Horizontal(*plots),
-        row_shares=[3, 2],
+def _layout(case: Case) -> rrb.Blueprint:
+    names = case.problem.joint_names
+    plots = [
+        rrb.TimeSeriesView(name=f"Velocity of {n}", origin=entity("v", n), plot_legend=rrb.PlotLegend(visible=False))
+        for n in names
+    ]
+    standings = rrb.Horizontal(
+        rrb.TextDocumentView(name="Table", origin="summary"),
+        drawing("Durations", "durations", bars_bounds(EXPECTED)),
+        name="Standings",
     )
     return rrb.Blueprint(
-        rrb.Horizontal(words, right, column_shares=[2, 3]),
+        rrb.Tabs(
+            drawing("Convergence", "convergence_curves", curves_bounds(EXPECTED)),
+            standings,
+            rrb.Grid(*plots, name="Velocity"),
+        ),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="hidden"),
         rrb.TimePanel(timeline=TIMELINE, state="collapsed", play_state="paused"),

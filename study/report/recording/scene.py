@@ -64,7 +64,7 @@ def _looking(points: Floats, tool: Floats) -> Scene:
     target = 0.5 * (low + high)
     _, axes = np.linalg.eigh(np.cov(points[:, :2].T))
     towards = axes[:, 0] * (1.0 if (tool.mean(axis=0) - target)[:2] @ axes[:, 0] >= 0 else -1.0)
-    return Scene(target + 1.1 * float(np.linalg.norm(high - low)) * np.append(towards, 0.35), target)
+    return Scene(target + 1.0 * float(np.linalg.norm(high - low)) * np.append(towards, 0.35), target)
 
 
 def _arm(robot: Robot, contents: Contents, one: Shown) -> _Arm:
@@ -113,10 +113,12 @@ def _log_path(stream: rr.RecordingStream, path: str, arm: _Arm, fastest: float, 
     tool = arm.chain[:, -1]
     pieces = np.stack([tool[:-1], tool[1:]], axis=1).astype(np.float32)
     colors = speed_colors(0.5 * (arm.speeds[:-1] + arm.speeds[1:]) / max(fastest, 1e-12))
-    stream.log(path + "/tool_path", rr.LineStrips3D(pieces, colors=colors, radii=radius), static=True)
+    apart = float(np.median(np.linalg.norm(np.diff(arm.waypoints, axis=0), axis=1)))
+    thin = min(radius, 0.1 * apart) if apart > 0 else radius  # so that close waypoints do not hide the path
+    stream.log(path + "/tool_path", rr.LineStrips3D(pieces, colors=colors, radii=thin), static=True)
     few = len(arm.waypoints) <= FEW_WAYPOINTS
     labels = [str(k + 1) for k in range(len(arm.waypoints))]
-    dots = rr.Points3D(arm.waypoints, labels=labels, show_labels=few, radii=2.5 * radius, colors=(240, 240, 240))
+    dots = rr.Points3D(arm.waypoints, labels=labels, show_labels=few, radii=2.0 * thin, colors=(240, 240, 240))
     stream.log(path + "/waypoints", dots, static=True)
 
 
