@@ -10,10 +10,11 @@ from markupsafe import Markup
 
 from study.experiment.cases import Case
 from study.experiment.results import Result
+from study.experiment.summary import CURVE
 from study.problem import Floats
 from study.report import drawn, figures
 from study.report.featured import Featured
-from study.report.rows import CURVE, Entry
+from study.report.rows import Entry
 
 SHOWN = 6
 POINTS = 240
@@ -57,7 +58,7 @@ def convergence_of(case: Case, entries: Sequence[Entry], best: Featured) -> Conv
 def _curve(case: Case, entry: Entry, style: int) -> drawn.Convergence:
     first = min(one.history[0, 0] for one in entry.results)
     last = max(one.history[-1, 0] for one in entry.results)
-    grid = np.unique(np.round(np.geomspace(max(first, 1.0), max(last, 1.0), POINTS)))
+    grid: Floats = np.unique(np.round(np.geomspace(max(first, 1.0), max(last, 1.0), POINTS))).astype(np.float64)
     values = np.stack([_on_grid(case, one, grid) for one in entry.results])
     # a run without a feasible candidate counts as infinitely long, so that it does not flatter the median
     lower, median, upper = np.quantile(values, (0.25, 0.5, 0.75), axis=0, method="nearest")

@@ -23,7 +23,7 @@ DASHES: tuple[Any, ...] = (
     (0, (9, 3)),
 )
 MARKERS = ("o", "s", "^", "D", "X", "v")
-RC = {
+RC: Any = {
     "svg.hashsalt": "time-optimal-study",
     "svg.fonttype": "none",
     "text.parse_math": False,

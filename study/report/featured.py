@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from study.report.rows import CURVE, FIXED_PATH, FREE_PATH, Entry
+from study.experiment.summary import CURVE, FIXED_PATH, FREE_PATH
+from study.report.rows import Entry
 
 ROLES = ("search", "optimiser", "free", "fixed", "published")
 """Kinds of methods; the place is the number of the style in figures and legends."""

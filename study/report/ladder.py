@@ -6,8 +6,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from study.experiment.cases import Case
+from study.experiment.summary import CURVE, FREE_PATH
 from study.report.featured import Featured
-from study.report.rows import CURVE, FREE_PATH, Entry, lower_bound
+from study.report.rows import Entry, lower_bound
 from study.report.wording import plural
 
 SAME = 1e-6
