@@ -12,7 +12,6 @@ import numpy as np
 from baselines._extremal import Slots
 from baselines._transcription import Family, Scales, model_of
 from study.problem import Floats, Problem
-from study.trajectory import Motion
 
 EXACT = 1e-9
 """Largest relative excess at which the exchange ends."""
@@ -37,7 +36,7 @@ class Optimum:
     total : float, s
         Sum of the durations, infinite where there is no motion.
     excess : float
-        Stretch still needed, less 1.
+        Stretch that the peaks held by points still need, less 1; other limits are bounds of the NLP.
     message : str
         Empty, or why the solver stopped.
     rounds, iterations, points : int
@@ -79,12 +78,13 @@ class Exchange:
         self.slots = {order: Slots(shape) for order, shape in family.slot_shapes.items()}
 
     def offer(self, x: Floats, threshold: float = WATCHED, bent: bool = True) -> float:
-        """Put the peaks of a motion that come near their limits into the slots; return the stretch it needs."""
-        motion = self.family.motion(self.problem, x, self.scales)
+        """Put the peaks that come near their limits into the slots; return the stretch that the highest needs."""
+        needed = 0.0
         for order, slot in self.slots.items():
             critical = self.family.critical(self.problem, x, self.scales, order)
             slot.refresh(critical, threshold, bent)
-        return np.inf if motion is None else stretch_of(self.problem, motion)
+            needed = max(needed, float(np.abs(critical.ratios).max()) ** (1 / order))
+        return needed
 
     def run(self, durations: Floats) -> Optimum:
         """Run the exchange from given durations until no limit breaks and the total stands still."""
@@ -128,9 +128,3 @@ class Exchange:
         p = self.family.parameters(self.problem, self.slots, self.scales)
         answer = solver(x0=x, p=p, lbx=lbx, ubx=ubx, lbg=lbg, ubg=ubg, **multipliers)
         return answer, solver.stats()
-
-
-def stretch_of(problem: Problem, motion: Motion) -> float:
-    """Smallest factor on time that makes a motion feasible; below 1 where it could be run faster."""
-    ratios = np.array([motion.extrema(order).peak for order in (1, 2, 3)]) / problem.limits.rates
-    return float((ratios.max(axis=1) ** (1 / np.arange(1, 4))).max())

@@ -58,10 +58,10 @@ def is_root(coefficients: Floats, points: Floats) -> Mask:
     return np.abs(polynomial.value(coefficients[..., None, :], points)) <= 1e-9 * size
 
 
-def polynomial_critical(problem: Problem, motion: Trajectory, order: int) -> Critical:
-    """Critical points of a rate, order 1 to 3, of a motion that is polynomial in time."""
-    widths = np.diff(motion.knots)[:, None, None]
-    rate = np.moveaxis(motion.coefficients, 1, 2) * widths ** (np.arange(motion.degree + 1) - order)
+def polynomial_critical(problem: Problem, motion: Trajectory, order: int, pieces: slice = slice(None)) -> Critical:
+    """Critical points of a rate, order 1 to 3, on some pieces of a motion that is polynomial in time."""
+    widths = np.diff(motion.knots)[pieces, None, None]
+    rate = np.moveaxis(motion.coefficients[pieces], 1, 2) * widths ** (np.arange(motion.degree + 1) - order)
     for _ in range(order):
         rate = polynomial.derivative(rate)
     rate = rate / problem.limits.rates[order - 1][:, None]

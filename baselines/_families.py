@@ -169,8 +169,7 @@ class Poly353:
 
     def critical(self, problem: Problem, x: Floats, scales: Scales, order: int) -> Critical:
         """Critical points of the quintic."""
-        found = polynomial_critical(problem, self.motion(problem, x, scales), order)
-        return Critical(found.points[1:2], found.ratios[1:2], found.bends[1:2])
+        return polynomial_critical(problem, self.motion(problem, x, scales), order, slice(1, 2))
 
 
 def hermite_quintic(step: Any, v1: Any, v2: Any, a1: Any, a2: Any) -> list[Any]:

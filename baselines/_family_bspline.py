@@ -27,7 +27,7 @@ from baselines._transcription import Rows, Scales, ca
 from study import polynomial
 from study.curves import bspline
 from study.problem import Floats, Problem
-from study.trajectory import Motion, rational_candidates, rational_rate
+from study.trajectory import rational_candidates, rational_rate
 
 SLOWEST = 1e-9
 """Smallest t' allowed, in units of the mean duration: time must increase strictly."""
@@ -94,12 +94,6 @@ class BSpline:
     def durations(self, x: Floats, scales: Scales) -> Floats:
         """Durations of given variables, s."""
         return duration_matrix(len(x)) @ x * scales.time
-
-    def motion(self, problem: Problem, x: Floats, scales: Scales) -> Motion | None:
-        """Motion of given variables; None where time does not increase."""
-        slopes = polynomial.derivative(bspline.time_coefficients(self.durations(x, scales)[None])[0])
-        rising = polynomial.extrema(slopes)[0].min() > 0
-        return bspline.trajectory(problem.waypoints, self.durations(x, scales)) if rising else None
 
     def variable_bounds(self, problem: Problem, scales: Scales) -> tuple[Floats, Floats]:
         """No bounds: the durations are rows."""

@@ -11,8 +11,8 @@ from study.problem import Floats, Problem
 MARGIN = 1.02
 """An interior-point method starts a little inside its limits."""
 
-SAMPLE = 6000
-"""Random durations, divided by the number of segments: few segments have optima of very different proportions."""
+SAMPLE = {"few segments": 2000, "many": 200}
+"""Random durations looked at: three segments, all that the 3-5-3 curve has, have optima of very different proportions."""
 APART = 0.3
 """Starts differ by at least this in the logarithm of some segment's share."""
 
@@ -46,7 +46,9 @@ def starts(problem: Problem, curve: Curve, count: int, seed: int) -> list[Floats
     rng = np.random.default_rng(seed)
     base = guess(problem)
     chosen = [feasible(problem, curve, base)]
-    size = SAMPLE // len(base)
+    if count == 1:
+        return chosen
+    size = SAMPLE["few segments" if len(base) <= 3 else "many"]
     spread = rng.uniform(0.1, 1.5, size=(size, 1)) * rng.normal(size=(size, len(base)))
     sample = base * np.exp(spread)
     totals = Scaled(problem, curve)(sample)

@@ -17,7 +17,6 @@ import numpy as np
 from baselines._extremal import Critical, Slots
 from study.errors import StudyError
 from study.problem import Floats, Problem
-from study.trajectory import Motion
 
 ca: Any = None
 with suppress(ImportError):  # said clearly by `require_casadi`, when it is needed
@@ -78,9 +77,6 @@ class Family(Protocol):
 
     def durations(self, x: Floats, scales: Scales) -> Floats:
         """Durations of given variables, s."""
-
-    def motion(self, problem: Problem, x: Floats, scales: Scales) -> Motion | None:
-        """Motion of given variables; None if there is none."""
 
     def variable_bounds(self, problem: Problem, scales: Scales) -> tuple[Floats, Floats]:
         """Box of the variables, with no duration below the shortest."""

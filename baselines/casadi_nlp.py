@@ -25,6 +25,9 @@ from study.formulation import Scaled, stretch
 from study.planning import Plan, RunSettings, Status
 from study.problem import Floats, Problem
 
+AGREEING = 1e-7
+"""Relative distance at which two totals are the same optimum."""
+
 
 @dataclass(frozen=True, eq=False)
 class Answer:
@@ -87,7 +90,7 @@ def optimise(
     seed : int
         Of the starts after the first.
     count : int
-        Starts.
+        Most starts; two that agree end it.
     time_limit : float, s
         Wall time in all.
     first : array of shape (n_segments,), s, optional
@@ -111,15 +114,21 @@ def optimise(
         guesses[0] = feasible(problem, family, np.asarray(first, dtype=float))
     scales = Scales.of(problem, guesses[0])
     exchange = Exchange(transcription, problem, scales, began + time_limit, time_limit)
-    found = list(_from_each(exchange, guesses))
+    found = _from_each(exchange, guesses)
     answer = _answer(exchange, found, curve, time.perf_counter() - began)
     return _not_above(answer, Scaled(problem, family).realise(np.array(guesses)))
 
 
-def _from_each(exchange: Exchange, guesses: Iterable[Floats]) -> Iterable[Optimum]:
+def _from_each(exchange: Exchange, guesses: Iterable[Floats]) -> list[Optimum]:
+    """Run every start, a failed one again from twice its durations; two starts that agree are enough."""
+    found: list[Optimum] = []
     for guess in guesses:
         optimum = exchange.run(guess)
-        yield optimum if optimum.converged else exchange.run(2.0 * guess)
+        found.append(optimum if optimum.converged else exchange.run(2.0 * guess))
+        totals = sorted(one.total for one in found if one.converged)
+        if len(totals) > 1 and totals[1] <= totals[0] * (1 + AGREEING):
+            break
+    return found
 
 
 def _not_above(answer: Answer, reached: Floats) -> Answer:
@@ -139,7 +148,7 @@ def _answer(exchange: Exchange, found: list[Optimum], curve: str, seconds: float
     durations = np.maximum(exchange.family.durations(best.x, exchange.scales), problem.duration_bounds[0])
     usable = np.isfinite(best.excess) and bool((durations > 0).all())
     factor = max(float(stretch(problem, curve_named(curve), durations[None])[0]), 1.0) if usable else np.inf
-    agreeing = sum(optimum.converged and optimum.total <= best.total * (1 + 1e-6) for optimum in found)
+    agreeing = sum(optimum.converged and optimum.total <= best.total * (1 + AGREEING) for optimum in found)
     details = {
         "exchange_rounds": float(best.rounds),
         "constraint_points": float(best.points),
@@ -159,7 +168,7 @@ class CasadiNlp:
     Parameters
     ----------
     starts : int
-        Starts of the NLP; the seed moves all but the first.
+        Most starts of the NLP; the seed moves all but the first, and two that agree end it.
     """
 
     starts: int = 3
