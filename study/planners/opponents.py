@@ -92,14 +92,17 @@ class LBFGSB:
         Standard deviation of the logarithms around the incumbent at a restart; ours.
     smallest_share : float
         Smallest duration as a share of the largest where the box itself begins at 0; ours.
+    restarts : bool
+        Whether to start again; otherwise one descent from equal durations is all, and no random number is drawn.
     """
 
     step: float = 1e-7
     jitter: float = 0.1
     smallest_share: float = 1e-6
+    restarts: bool = True
 
     def minimise(self, meter: Meter, box: Box, population: int, rng: np.random.Generator) -> None:
-        """Descend and start again until the budget is spent."""
+        """Descend, and start again until the budget is spent if restarts are wanted."""
         lower, upper = np.log(np.maximum(box.lower, self.smallest_share * box.upper)), np.log(box.upper)
         identity = np.eye(len(lower))
 
@@ -114,6 +117,8 @@ class LBFGSB:
             while True:
                 bounds = optimize.Bounds(lower, upper)
                 optimize.minimize(value_and_gradient, start, jac=True, method="L-BFGS-B", bounds=bounds)
+                if not self.restarts:
+                    return
                 start = lower + rng.random(len(lower)) * (upper - lower)
                 if near and meter.incumbent is not None:
                     start = np.log(meter.incumbent) + self.jitter * rng.standard_normal(len(lower))
@@ -187,6 +192,7 @@ STOA_PLANNER = SegmentTimePlanner(STOA())
 SCA_PLANNER = SegmentTimePlanner(SCA())
 CMA_ES = SegmentTimePlanner(CMAES())
 LBFGSB_PLANNER = MinimiserPlanner(LBFGSB(), formulation="scaled")  # the penalty form jumps: no gradient to follow
+LBFGSB_ONCE = DeterministicMinimiserPlanner(LBFGSB(restarts=False), formulation="scaled")
 SCIPY_DE = MinimiserPlanner(ScipyDE())
 DIRECT = DeterministicMinimiserPlanner(Direct())
 CENTRE = DeterministicMinimiserPlanner(Centre(), formulation="scaled")
