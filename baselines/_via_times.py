@@ -15,19 +15,24 @@ from study.problem import EndCondition, Floats, Problem
 STEP = 1e-6
 """Step of the finite differences, as a part of the choices' unit."""
 
+BEYOND = 100.0
+"""Largest choice, in units, of a rate without limit."""
+
 BLOCKED = 1e-9
 """Relative excess of a move's time over all its joints' own times from which on it counts as blocked."""
 
 
 @dataclass(frozen=True, eq=False)
 class Passing:
-    """What can be chosen at the waypoints, as numbers in [-1, 1] of shape (2 rates, n_waypoints, n_joints).
+    """What can be chosen at the waypoints, as numbers of shape (2 rates, n_waypoints, n_joints).
 
     Attributes
     ----------
     problem : Problem
     scale : array of shape (2, n_joints)
         Units of velocity and acceleration: the limits, or what the other limits allow over the joint's range.
+    reach : array of shape (2, n_joints)
+        Largest absolute choice: 1 where the rate has a limit, much more where it has none.
     free : bool array of shape (2, n_waypoints, n_joints)
         Velocities of joints with an acceleration or jerk limit, accelerations of joints with a jerk limit; at both ends
         what the end condition leaves free.
@@ -35,6 +40,7 @@ class Passing:
 
     problem: Problem
     scale: Floats
+    reach: Floats
     free: NDArray[np.bool_]
 
     @classmethod
@@ -47,7 +53,7 @@ class Passing:
             free[0, [0, -1]] = False
         if problem.end is EndCondition.SMOOTH:
             free[1, [0, -1]] = False
-        return cls(problem, _units(problem), free)
+        return cls(problem, _units(problem), np.where(limited[:2], 1.0, BEYOND), free)
 
     def states(self, x: Floats, which: slice = slice(None)) -> list[State]:
         """States at the waypoints, or at some of them, for choices x.
@@ -66,7 +72,7 @@ class Passing:
         """Choices for given velocities and accelerations, both of shape (n_waypoints, n_joints)."""
         rates = np.stack([velocity, acceleration])
         x = np.divide(rates, self.scale[:, None], out=np.zeros_like(rates), where=self.scale[:, None] > 0)
-        return np.where(self.free, np.clip(x, -1.0, 1.0), 0.0)
+        return np.where(self.free, np.clip(x, -self.reach[:, None], self.reach[:, None]), 0.0)
 
 
 def _units(problem: Problem) -> Floats:

@@ -48,7 +48,7 @@ def three_limit_time(distance: ArrayLike, velocity: ArrayLike, acceleration: Arr
         short = np.where(d < 2 * a * np.square(fade), sharp, 2 * (top / a + fade))
         peak = np.minimum(a, np.sqrt(v * j))
         ramp = v / peak + peak / j
-        return np.where(d < v * ramp, short, d / v + ramp)
+        return np.where(np.isinf(v) | (d < v * ramp), short, d / v + ramp)
 
 
 def rest_to_rest_time(distance: ArrayLike, rates: Floats) -> Floats:

@@ -87,7 +87,8 @@ def linear_step(passing: Passing, x: Floats, model: Model, radius: float) -> tup
     """
     n_free, n_segments = int(passing.free.sum()), len(model.times)
     start = x[passing.free]
-    low, high = np.maximum(-radius, -1 - start), np.minimum(radius, 1 - start)
+    reach = np.broadcast_to(passing.reach[:, None], x.shape)[passing.free]
+    low, high = np.maximum(-radius, -reach - start), np.minimum(radius, reach - start)
     matrix, right = _rows(passing, model)
     cost = np.append(np.zeros(n_free), np.ones(n_segments))
     bounds = [*zip(low.tolist(), high.tolist(), strict=True), *[(0.0, np.inf)] * n_segments]

@@ -1,0 +1,134 @@
+"""Lower bounds: exact where optima are known, and below every feasible motion that any method here can produce."""
+
+import numpy as np
+import pytest
+
+from baselines.closed_forms import shortest_time, two_limit_time
+from baselines.free_path_nlp import free_path
+from baselines.lower_bounds import Cells, all_chains, bound, lower_bound, reach, shortest_times
+from baselines.ruckig_stops import ruckig_stops
+from baselines.ruckig_via import ruckig_via
+from baselines.toppra_retiming import retime
+from study import EndCondition, JointLimits, Problem, judge
+from study.curves import CURVES
+from tests.reference_problems import EACH_LIMIT, INF, small, woodworking
+
+
+def point(value):
+    return Cells(np.array([value]), np.array([value]))
+
+
+def test_with_points_for_cells_it_is_the_shortest_time():
+    rng = np.random.default_rng(0)
+    for _ in range(500):
+        velocity, acceleration = 10 ** rng.uniform(-1, 1, 2)
+        d = rng.normal() * 10 ** rng.uniform(-2, 1)
+        v0, v1 = velocity * rng.uniform(-1, 1, 2)
+        rates = np.array([velocity, acceleration])
+        expected = shortest_time(d, v0, v1, velocity, acceleration)
+        assert shortest_times(d, point(v0), point(v1), rates, 0.0)[0, 0] == pytest.approx(expected, rel=1e-7)
+
+
+def test_a_cell_is_never_slower_than_any_of_its_points():
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        velocity, acceleration = 10 ** rng.uniform(-1, 1, 2)
+        d = rng.normal() * 10 ** rng.uniform(-2, 1)
+        edges = np.sort(velocity * rng.uniform(-1, 1, (2, 2)))
+        start, end = (Cells(*np.array(edge)[:, None]) for edge in edges)
+        lower = shortest_times(d, start, end, np.array([velocity, acceleration]), 0.0)[0, 0]
+        v0, v1 = (rng.uniform(*edge, 50) for edge in edges)
+        assert lower <= shortest_time(d, v0, v1, velocity, acceleration).min() * (1 + 1e-9)
+
+
+def test_waiting_for_another_joint_may_mean_waiting_longer():
+    rates, fast = np.array([9.0, 1.0]), point(1.0)
+    assert shortest_times(0.4, fast, fast, rates, 0.0)[0, 0] == pytest.approx(np.sqrt(5.6) - 2)
+    stop_and_go = 2 * np.sqrt(0.6) + 2  # brakes, backs up, and comes again
+    assert shortest_times(0.4, fast, fast, rates, 1.5)[0, 0] == pytest.approx(stop_and_go)
+    assert shortest_times(0.4, fast, fast, rates, 9.0)[0, 0] == pytest.approx(9.0)
+
+
+def test_reach_is_the_integral_of_the_envelope():
+    for a, b, limit, time in [(0.2, 0.4, 1.0, 2.0), (0.2, -0.3, 0.5, 3.0), (0.9, -0.9, 1.0, 0.5)]:
+        t = np.linspace(0, time, 200001)
+        envelope = np.minimum(np.minimum(a + 1.5 * t, b + 1.5 * (time - t)), limit)
+        middle = (envelope[1:] + envelope[:-1]) / 2
+        value = reach(np.array(time), np.array(a), np.array(b), limit, 1.5)
+        assert value == pytest.approx(middle.sum() * time / 200000, abs=1e-8)
+
+
+@pytest.mark.parametrize(("distance", "velocity", "acceleration"), [(1.0, 9.0, 4.0), (3.0, 1.0, 2.0), (3.0, 1.0, INF)])
+def test_one_segment_from_rest_to_rest_is_exact(distance, velocity, acceleration):
+    problem = Problem("line", [[0.0], [distance]], JointLimits([velocity], [acceleration]))
+    assert lower_bound(problem) == pytest.approx(float(two_limit_time(distance, velocity, acceleration)), rel=1e-6)
+
+
+def test_with_velocity_limits_only_it_is_attained():
+    problem = woodworking(acceleration=INF)
+    assert lower_bound(problem) == pytest.approx(ruckig_stops(problem).duration, rel=1e-6)
+
+
+def test_dynamic_programming_against_all_chains():
+    problem = small(([1.0] * 3, [2.0] * 3, INF))
+    chains = all_chains(problem, 6)[0]
+    weights = np.array([0.2, 0.5, 0.3])
+    value, times = chains.cheapest(weights)
+    first, second, third = chains.times
+    every = weights[0] * first[:, :, None, None] + weights[1] * second[:, :, None] + weights[2] * third
+    assert value == pytest.approx(every.min())
+    assert weights @ times == pytest.approx(value)
+
+
+@pytest.mark.parametrize("end", list(EndCondition))
+@pytest.mark.parametrize("limits", EACH_LIMIT.values(), ids=EACH_LIMIT)
+def test_no_motion_is_faster(limits, end):
+    problem = small(limits, end, seed=5)
+    lower = bound(problem, n_cells=60).value
+    motions = [ruckig_stops(problem), free_path(problem, 4).motion, ruckig_via(problem, 30, 4)[0]]
+    for motion in motions:
+        assert judge(problem, motion).feasible
+        assert motion.duration >= lower * (1 - 1e-6)  # the judge forgives 1e-6 of a limit
+
+
+@pytest.mark.parametrize("end", [EndCondition.REST, EndCondition.FREE])
+def test_no_stretched_random_spline_and_no_retimed_path_is_faster(end):
+    problem = small(EACH_LIMIT["acceleration binds"], end, seed=7, n_waypoints=6)
+    lower = bound(problem, n_cells=60).value
+    rng = np.random.default_rng(0)
+    for durations in rng.uniform(0.2, 2.0, (100, 5)):
+        motion = CURVES["cubic-spline"].motion(problem.waypoints, durations)
+        ratios = judge(problem, motion).ratios.max(axis=1)
+        assert motion.duration * max(ratios[0], np.sqrt(ratios[1])) >= lower
+    assert retime(problem, 100)[0].duration >= lower
+
+
+def test_the_sandwich_is_thin_without_jerk_limits():
+    problem = woodworking()
+    lower, upper = lower_bound(problem), ruckig_via(problem)[0].duration
+    assert 0.99 * upper < lower < upper
+    assert lower == pytest.approx(3.347, abs=2e-3)
+
+
+def test_more_cells_and_more_joints_tighten_it():
+    coarse, middle, fine = (bound(woodworking(), n_cells).value for n_cells in (10, 40, 160))
+    assert coarse < middle < fine
+    assert fine >= max(lower_bound(woodworking().joint(j)) for j in range(4)) * (1 - 1e-4)
+
+
+def test_a_free_end_is_not_assumed_to_rest():
+    problem = Problem("line", [[0.0], [1.0]], JointLimits([2.0], [1.0]), end=EndCondition.FREE)
+    assert lower_bound(problem) == pytest.approx(0.5, rel=1e-2)
+    assert lower_bound(problem) <= 0.5
+
+
+def test_scaled_limits_scale_the_bound():
+    problem = woodworking()
+    slower = Problem("slower", problem.waypoints, problem.limits.scaled(7.0))
+    assert lower_bound(slower) == pytest.approx(7 * lower_bound(problem), rel=1e-3)
+
+
+def test_it_is_not_slower_than_a_motion_that_reverses_or_dwells():
+    problem = Problem("dwell", [[0.0], [1.0], [1.0], [0.2]], JointLimits([1.0], [1.0]), allow_dwell=True)
+    assert lower_bound(problem) <= ruckig_stops(problem).duration
+    assert lower_bound(problem) <= free_path(problem).motion.duration
