@@ -275,6 +275,23 @@ def digest(out: Out = DEFAULT_OUT) -> None:
         print(store.digest())
 
 
+@app.command()
+def reproduce(
+    paper: Annotated[
+        str | None, typer.Argument(metavar="PAPER", help="woodworking, aubo, smwoa, sparrow, puma or a paper's key.")
+    ] = None,
+    all_papers: Annotated[bool, typer.Option("--all", help="All five papers.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer seeds, the stated readings only; labelled as quick.")] = False,
+    out: Out = DEFAULT_OUT,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
+    commit: Annotated[bool, typer.Option("--commit", help="With --all: write the verdicts into the data of a checkout.")] = False,
+) -> None:
+    """Put every printed number of a paper beside ours, with a verdict; what has been run is not run again."""
+    from study.reproduction.command import reproduce_command
+
+    reproduce_command(paper, all_papers, quick, out, jobs, commit, _console())
+
+
 @cases_app.command("show")
 def show_case(name: Annotated[str, typer.Argument(metavar="NAME", help="Name or YAML file.")]) -> None:
     """Print a case: waypoints, limits, sources and notes."""

@@ -88,12 +88,10 @@ def inverse(robot: Robot, poses: ArrayLike, branch: tuple[int, int, int] | None 
         raise StudyError(f"robot {robot.name!r}: poses must have shape (n, 4, 4), got {targets.shape}")
     if robot.solver is None:
         raise StudyError(f"robot {robot.name!r} has no closed-form inverse here; arms that have one name a solver")
-    solutions = SOLVERS[robot.solver](robot, targets)
+    if branch is not None and branch not in BRANCHES:
+        raise StudyError(f"a branch is three signs such as (1, 1, -1), got {branch}")
+    solutions = SOLVERS[robot.solver](robot, targets, BRANCHES if branch is None else (branch,))
     solutions[~_reached(robot, solutions, targets)] = np.nan
-    if branch is not None and solutions.shape[1] > 1:
-        if branch not in BRANCHES:
-            raise StudyError(f"a branch is three signs such as (1, 1, -1), got {branch}")
-        solutions = solutions[:, [BRANCHES.index(branch)]]
     missing = np.isnan(solutions).all(axis=(1, 2))
     if missing.any():
         raise StudyError(

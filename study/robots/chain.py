@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -111,8 +111,9 @@ def _screw(angle: Floats, along: Floats, plane: tuple[int, int], axis: int) -> F
     return transform
 
 
-Solver = Callable[[Robot, Floats], Floats]
-"""A closed-form inverse: poses of shape (n, 4, 4) to configurations (n, n_branches, n_joints), NaN where there is none."""
+Solver = Callable[[Robot, Floats, Sequence[tuple[int, int, int]]], Floats]
+"""A closed-form inverse: poses of shape (n, 4, 4) and the wanted branches to configurations (n, n_branches, n_joints),
+NaN where there is none."""
 
 SINGULAR = 1e-7
 """A sine or relative distance below which a solution is no longer determined."""

@@ -12,6 +12,7 @@ Bioengineering and Biotechnology 10, 852408; Eqs. (4) and (5) carry misprints, s
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -22,18 +23,22 @@ from study.robots.chain import SINGULAR, Robot, screw_x, screw_z, wrapped
 BRANCHES = tuple(itertools.product((1, -1), repeat=3))
 """The signs (k1, k2, k3) in the order in which the solvers give their branches."""
 
+Branches = Sequence[tuple[int, int, int]]
 
-def ur_inverse(robot: Robot, poses: Floats) -> Floats:
+
+def ur_inverse(robot: Robot, poses: Floats, wanted: Branches = BRANCHES) -> Floats:
     """Invert an arm with three parallel axes and an offset wrist, as the UR and AUBO arms have.
 
     Parameters
     ----------
     robot : Robot
     poses : array of shape (n, 4, 4)
+    wanted : sequence of sign triples
+        The branches to compute.
 
     Returns
     -------
-    array of shape (n, 8, 6), rad
+    array of shape (n, n_branches, 6), rad
         NaN in branches that do not exist.
     """
     lengths, twists = _standard(robot)
@@ -41,7 +46,7 @@ def ur_inverse(robot: Robot, poses: Floats) -> Floats:
     n, o, a = (poses[:, :3, column] for column in range(3))
     wrist = poses[:, :3, 3] - robot.d[5] * a
     branches = []
-    for k1, k2, k3 in BRANCHES:
+    for k1, k2, k3 in wanted:
         theta1, reach = _shoulder(wrist, robot.d[1:4].sum(), k1)
         forward, sideways = _shoulder_axes(theta1)
         cosine5, sine5 = _dot(sideways, a), _wrist_sine(_dot(sideways, n), _dot(sideways, o), k2)
@@ -56,7 +61,7 @@ def ur_inverse(robot: Robot, poses: Floats) -> Floats:
     return _as_joint_angles(robot, branches)
 
 
-def puma_inverse(robot: Robot, poses: Floats) -> Floats:
+def puma_inverse(robot: Robot, poses: Floats, wanted: Branches = BRANCHES) -> Floats:
     """Invert an arm with a spherical wrist and an offset shoulder, as the PUMA 560 has.
 
     Parameters
@@ -64,17 +69,19 @@ def puma_inverse(robot: Robot, poses: Floats) -> Floats:
     robot : Robot
         In the standard convention.
     poses : array of shape (n, 4, 4)
+    wanted : sequence of sign triples
+        The branches to compute.
 
     Returns
     -------
-    array of shape (n, 8, 6), rad
+    array of shape (n, n_branches, 6), rad
         NaN in branches that do not exist.
     """
     sign3, sign4, sign5 = np.sin(robot.alpha[2:5])
     forearm, bend = np.hypot(robot.a[2], robot.d[3]), np.arctan2(-sign3 * robot.d[3], robot.a[2])
     wrist = poses[:, :3, 3] - robot.d[5] * poses[:, :3, 2]
     branches = []
-    for k1, k2, k3 in BRANCHES:
+    for k1, k2, k3 in wanted:
         theta1, reach = _shoulder(wrist, robot.d[1:3].sum(), k1)
         theta2, elbow = _two_links(reach, wrist[:, 2] - robot.d[0], robot.a[1], forearm, k3)
         theta3 = elbow - bend
@@ -86,7 +93,7 @@ def puma_inverse(robot: Robot, poses: Floats) -> Floats:
     return _as_joint_angles(robot, branches)
 
 
-def woodworking_inverse(robot: Robot, poses: Floats) -> Floats:
+def woodworking_inverse(robot: Robot, poses: Floats, wanted: Branches = ()) -> Floats:
     """Invert the woodworking arm: two slides, two turns, one branch.
 
     Only poses of a four-parameter family can be reached; for others the caller's check by forward kinematics fails.
@@ -95,6 +102,8 @@ def woodworking_inverse(robot: Robot, poses: Floats) -> Floats:
     ----------
     robot : Robot
     poses : array of shape (n, 4, 4)
+    wanted : sequence
+        Not used: there is one branch.
 
     Returns
     -------

@@ -1,0 +1,128 @@
+"""What arithmetic allows of a benchmark table's cells: inequalities that fail, laid beside the cell they concern."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from study import forensics
+from study.experiment.published import Cell
+from study.forensics import Finding, Summary
+from study.reproduction.rules import digits, half_unit
+from study.testfunctions import Benchmark
+
+MONOTONE = {"sphere", "schwefel-222", "schwefel-221", "step", "step-without-floor", "quartic"}
+"""Functions whose largest value in a symmetric box lies in its upper corner."""
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Cells of one function and one algorithm; None where a table has no such row."""
+
+    mean: Cell
+    std: Cell
+    best: Cell | None = None
+    worst: Cell | None = None
+
+
+@cache
+def grain(function: Benchmark) -> float:
+    """Smallest step above a function's least value that double precision shows; 0 where there is none above 1e-300.
+
+    The function is evaluated at points ever nearer to its minimiser.
+    """
+    if function.minimiser is None or function.minimum is None or function.minimum != 0.0:
+        return 0.0
+    rng = np.random.default_rng(0)
+    scales = 10.0 ** -np.repeat(np.arange(0.0, 300.0, 0.5), 4)[:, None]
+    points = function.minimiser + scales * rng.standard_normal((len(scales), function.n_dimensions))
+    values = function.formula(points)
+    least = float(values[values > 0].min())
+    return least if least > 1e-200 else 0.0
+
+
+def largest(function: Benchmark) -> float | None:
+    """Largest value inside the box, where it is known to lie in the upper corner."""
+    if function.name not in MONOTONE:
+        return None
+    return float(function.formula(function.upper[None])[0]) + function.noise
+
+
+def examine(cells: Statistics, runs: int, function: Benchmark) -> dict[str, Finding]:
+    """Find what cannot be: the cell's role (`mean`, `std`, `best`, `worst`) and the inequality that fails.
+
+    Parameters
+    ----------
+    cells : Statistics
+    runs : int
+        Number of runs behind them.
+    function : Benchmark
+        In its stated reading.
+    """
+    summary = _summary(cells, runs)
+    found: dict[str, Finding] = {}
+    above_best = None
+    if summary.minimum is not None:
+        above_best = forensics.std_too_large(summary, summary.low(summary.minimum))
+    checks: list[tuple[str, Finding | None]] = [
+        ("mean", forensics.mean_outside_extremes(summary)),
+        ("mean", forensics.mean_too_near_extreme(summary)),
+        ("std", forensics.std_beyond_extremes(summary)),
+        ("std", above_best and Finding("std bound", above_best.inequality.replace("f*", "best"))),
+    ]
+    if function.minimum is not None:
+        checks += _against_least(cells, summary, function, function.minimum)
+    top = largest(function)
+    if top is not None:
+        checks.append(("mean", forensics.above_largest(summary, top)))
+    for role, finding in checks:
+        if finding is not None:
+            found.setdefault(role, finding)
+    return found
+
+
+def _against_least(
+    cells: Statistics, summary: Summary, function: Benchmark, least: float
+) -> list[tuple[str, Finding | None]]:
+    step = grain(function)
+    checks = [("mean", forensics.below_optimum(summary, least)), ("std", forensics.std_too_large(summary, least))]
+    if step:
+        checks.append(("mean", forensics.finer_than_doubles(summary, least, step)))
+        if cells.best is not None and cells.best.value is not None:
+            checks.append(("best", _finer(cells.best.value - least, step)))
+    return checks
+
+
+def _finer(above: float, step: float) -> Finding | None:
+    """Check a single value, not a mean: it is the least value or at least one step above it."""
+    if above <= 0.0 or above >= 0.5 * step:
+        return None
+    return Finding("granularity", f"value - f* = {above:g} is 0 or >= the function's smallest step {step:.4g} fails")
+
+
+def outside_extremes(cell: Cell, cells: Mapping[str, Cell]) -> Finding | None:
+    """Check that a single run's printed value lies between the printed minimum and maximum."""
+    value, low, high = cell.value, cells["min"].value, cells["max"].value
+    if value is None or low is None or high is None:
+        return None
+    slack = half_unit(cell.printed) * (1 + 1e-9)
+    if value > high + slack + half_unit(cells["max"].printed):
+        return Finding("value outside", f"value {value:g} <= maximum {high:g} fails")
+    if value < low - slack - half_unit(cells["min"].printed):
+        return Finding("value outside", f"minimum {low:g} <= value {value:g} fails")
+    return None
+
+
+def _summary(cells: Statistics, runs: int) -> Summary:
+    printed = [cell for cell in (cells.mean, cells.std, cells.best, cells.worst) if cell is not None and cell.value]
+    return Summary(
+        n=runs,
+        mean=cells.mean.value or 0.0,
+        std=cells.std.value,
+        minimum=None if cells.best is None else cells.best.value,
+        maximum=None if cells.worst is None else cells.worst.value,
+        digits=min((digits(cell.printed) for cell in printed), default=3),
+    )

@@ -1,0 +1,94 @@
+"""Run one cell of a benchmark table: a search on a function, from every seed."""
+
+from __future__ import annotations
+
+import time
+import zlib
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from study.planning import Meter
+from study.problem import Floats
+from study.reproduction.jobs import Record
+from study.search.loop import Box, Search, minimise
+from study.testfunctions import Benchmark, benchmarks_of
+
+POINTS = 80
+SETTLED = 1e-3
+"""A run has converged at the first generation within this share of the way from its first to its last value."""
+
+
+@dataclass(frozen=True)
+class BenchmarkCell:
+    """One search on one benchmark function.
+
+    Attributes
+    ----------
+    paper : str
+    function : str
+        Label such as `F5`.
+    form : str
+        Reading of the function: `standard` or `as-printed`.
+    search : Search
+    population, generations, seeds : int
+    start : float, optional
+        Half width of the box in which the search starts, where it is not the function's own.
+    """
+
+    paper: str
+    function: str
+    form: str
+    search: Search[Any]
+    population: int
+    generations: int
+    seeds: int
+    start: float | None = None
+    sources: ClassVar[tuple[str, ...]] = (
+        "search", "testfunctions", "planning.py", "reproduction/benchmark_runs.py",
+    )  # fmt: skip
+    weight: ClassVar[float] = 3.0
+
+    @property
+    def benchmark(self) -> Benchmark:
+        """The function itself."""
+        return next(f for f in benchmarks_of(self.paper, self.form) if f.label == self.function)
+
+    def run(self) -> Record:
+        """Final values, generations until convergence and seconds of every seed, and the median curve."""
+        function = self.benchmark
+        box = Box(function.lower, function.upper)
+        if self.start is not None:
+            box = Box(*(np.full(function.n_dimensions, side * self.start) for side in (-1.0, 1.0)))
+        finals, settled, seconds, curves = [], [], [], []
+        for seed in range(self.seeds):
+            rng = np.random.default_rng([seed, zlib.crc32(repr((self.paper, self.function, self.search)).encode())])
+            meter = Meter(function.objective(rng), self.population * self.generations)
+            begun = time.perf_counter()
+            minimise(self.search, meter, box, self.population, rng)
+            seconds.append(time.perf_counter() - begun)
+            curve = meter.history[:, 1]
+            finals.append(meter.incumbent_value)
+            settled.append(settled_at(curve))
+            curves.append(curve[thinned(len(curve))])
+        shown = thinned(self.generations)
+        return {
+            "finals": finals,
+            "settled": settled,
+            "seconds": seconds,
+            "generations": (shown + 1).tolist(),
+            "curve": np.median(curves, axis=0).tolist(),
+        }
+
+
+def thinned(length: int) -> np.ndarray:
+    """Indices of at most `POINTS` generations, denser at the start, the last one among them."""
+    return np.unique(np.round(np.geomspace(1, length, POINTS)).astype(int)) - 1
+
+
+def settled_at(curve: Floats) -> int:
+    """Generation, counted from 1, from which the best value stays within `SETTLED` of its whole descent of the last one."""
+    finite = np.where(np.isfinite(curve), curve, np.finfo(float).max)
+    level = finite[-1] + SETTLED * (finite[0] - finite[-1])
+    return int(np.argmax(finite <= level)) + 1

@@ -1,0 +1,150 @@
+"""A paper's benchmark table, cell by cell: what arithmetic allows, what our runs give, and the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from study.experiment.published import Cell, Table, tables
+from study.reproduction import arithmetic, rules
+from study.reproduction.benchmark_runs import BenchmarkCell
+from study.reproduction.effort import Effort
+from study.reproduction.jobs import Record, Runs
+from study.reproduction.readings import FORMS, READINGS, SHAPES, STARTS, Reading
+from study.reproduction.verdicts import Place, Ruling, missing, strongest
+from study.testfunctions import benchmarks_of
+
+ROLES = {
+    "Mean": "mean",
+    "Avg": "mean",
+    "mean": "mean",
+    "Std": "std",
+    "std": "std",
+    "Best": "best",
+    "min": "best",
+    "max": "worst",
+}
+"""What the papers' row heads stand for."""
+
+RUNS = 30
+"""Runs behind every printed cell; all three papers say so."""
+
+
+@dataclass(frozen=True)
+class BenchmarkTable:
+    """One paper's Table 3.
+
+    Attributes
+    ----------
+    paper : str
+    effort : Effort
+    """
+
+    paper: str
+    effort: Effort
+
+    @property
+    def table(self) -> Table:
+        """The printed table."""
+        return tables(self.paper)["Table 3"]
+
+    def cell(self, function: str, column: str, reading: Reading, form: str | None = None) -> BenchmarkCell:
+        """Job of one function, column and reading."""
+        population, generations = SHAPES[self.paper]
+        return BenchmarkCell(
+            self.paper,
+            function,
+            form or FORMS.get((self.paper, function), "standard"),
+            reading.search,
+            population,
+            self.effort.generations(generations),
+            self.effort.seeds,
+            STARTS.get((self.paper, function, column)) if reading is self.readings(column)[0] else None,
+        )
+
+    def readings(self, column: str) -> tuple[Reading, ...]:
+        """Readings of a column, the stated one first."""
+        found = READINGS[self.paper][column]
+        return found if self.effort.all_readings else found[:1]
+
+    def variants(self, function: str, column: str) -> Iterator[tuple[str, BenchmarkCell]]:
+        """All that is run for a function and a column: name and job, the stated reading first."""
+        for reading in self.readings(column):
+            yield reading.name, self.cell(function, column, reading)
+        stated = FORMS.get((self.paper, function), "standard")
+        meant, printed = (
+            next(f for f in benchmarks_of(self.paper, form) if f.label == function)
+            for form in ("standard", "as-printed")
+        )
+        if self.effort.all_readings and meant is not printed and printed.minimum is not None:
+            other = "standard" if stated == "as-printed" else "as-printed"
+            yield (
+                f"{self.readings(column)[0].name}, function {other}",
+                self.cell(function, column, self.readings(column)[0], other),
+            )
+
+    @property
+    def functions(self) -> list[str]:
+        """Labels of the functions in the table's order."""
+        return list(dict.fromkeys(cell.row.split(",")[0] for cell in self.table.cells if "," in cell.row))
+
+    def jobs(self) -> list[BenchmarkCell]:
+        """All that the table needs."""
+        return [job for f in self.functions for c in self.table.columns for _, job in self.variants(f, c)]
+
+    def rulings(self, runs: Runs) -> dict[Place, Ruling]:
+        """Rule on every cell of every function."""
+        found: dict[Place, Ruling] = {}
+        for function in self.functions:
+            for column in self.table.columns:
+                found |= self._column(function, column, runs)
+        return found
+
+    def _column(self, function: str, column: str, runs: Runs) -> dict[Place, Ruling]:
+        cells = {
+            c.row.split(", ")[1]: c
+            for c in self.table.cells
+            if c.column == column and c.row.startswith(f"{function}, ")
+        }
+        by_role = {ROLES[head]: cell for head, cell in cells.items() if head in ROLES}
+        (name, job), *others = self.variants(function, column)
+        findings = arithmetic.examine(arithmetic.Statistics(**by_role), RUNS, job.benchmark)
+        record = runs[job]
+        rulings: dict[Place, Ruling] = {}
+        for head, cell in cells.items():
+            role = ROLES.get(head)
+            if role is None:
+                ruling = _other_row(head, cell, cells, record)
+            else:
+                broken = findings.get(role)
+                compared = self._compared(cell, role, job, record)
+                side = {other: rules.number(statistic(runs[j]["finals"], role)) for other, j in others}
+                ruling = strongest(broken and rules.impossible(broken.inequality), replace(compared, others=side))
+            rulings[Place("Table 3", cell.row, column)] = replace(ruling, reading=name)
+        return rulings
+
+    def _compared(self, cell: Cell, role: str, job: BenchmarkCell, record: Record) -> Ruling:
+        function = job.benchmark
+        least = 0.0 if role == "std" or function.minimum is None else function.minimum
+        return rules.stochastic(cell.printed, statistic(record["finals"], role), least, arithmetic.grain(function))
+
+
+def _other_row(head: str, cell: Cell, cells: dict[str, Cell], record: Record) -> Ruling:
+    """Rule on PUMA's rows `value` and `time`."""
+    if head == "time":
+        return missing("a wall time: neither processor nor code is given", f"{np.median(record['seconds']):.3g} s")
+    broken = arithmetic.outside_extremes(cell, cells)
+    if broken is not None:
+        return rules.impossible(broken.inequality)
+    return missing("which of the 30 runs this value is of is not said", rules.number(record["finals"][0]))
+
+
+def statistic(finals: list[float], role: str) -> float:
+    """Mean, sample standard deviation, least or greatest of the runs' final values."""
+    values = np.array(finals)
+    with np.errstate(over="ignore", under="ignore"):
+        if role == "std":
+            return float(values.std(ddof=1)) if len(values) > 1 else 0.0
+        return float({"mean": values.mean, "best": values.min, "worst": values.max}[role]())

@@ -1,0 +1,108 @@
+"""The whole reproduction: what must be run for some papers, and every printed number with its ruling, in print order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from types import ModuleType
+
+from study.errors import StudyError, unknown
+from study.experiment.published import claims, tables
+from study.reproduction.effort import Effort
+from study.reproduction.jobs import Job, Runs
+from study.reproduction.papers import aubo, puma, smwoa, sparrow, woodworking
+from study.reproduction.verdicts import CLAIM, Place, Ruling
+
+MODULES: dict[str, ModuleType] = {module.PAPER: module for module in (woodworking, aubo, smwoa, sparrow, puma)}
+
+SHORT = {
+    "woodworking": woodworking.PAPER, "aubo": aubo.PAPER, "smwoa": smwoa.PAPER, "sparrow": sparrow.PAPER, "puma": puma.PAPER,
+}  # fmt: skip
+"""Short names of the papers for the command line."""
+
+
+def paper_named(name: str) -> str:
+    """Find a paper's key by its key or short name.
+
+    Raises
+    ------
+    StudyError
+        If there is none.
+    """
+    if name in MODULES:
+        return name
+    if name not in SHORT:
+        raise unknown("paper", name, [*SHORT, *MODULES])
+    return SHORT[name]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One printed number or statement with its ruling.
+
+    Attributes
+    ----------
+    paper : str
+    place : Place
+    section : str
+        Where it stands: the table's number or the section.
+    about : str
+        Of a claim what it is about; empty for a cell.
+    quantity : str
+    printed : str
+        Empty for a statement without a number.
+    ruling : Ruling
+    """
+
+    paper: str
+    place: Place
+    section: str
+    about: str
+    quantity: str
+    printed: str
+    ruling: Ruling
+
+
+def jobs_of(papers: Iterable[str], effort: Effort) -> list[Job]:
+    """All work for some papers."""
+    return [job for paper in papers for job in MODULES[paper].jobs(effort)]
+
+
+def entries_of(paper: str, runs: Runs, effort: Effort) -> tuple[Entry, ...]:
+    """Everything that a paper prints, in order: tables cell by cell, then the prose.
+
+    Raises
+    ------
+    StudyError
+        If something has no ruling, or a ruling concerns nothing that is printed.
+    """
+    rulings: Mapping[Place, Ruling] = MODULES[paper].rulings(runs, effort)
+    found = [*_cells(paper, rulings), *_claims(paper, rulings), *_statements(paper, rulings)]
+    if strange := set(rulings) - {entry.place for entry in found}:
+        raise StudyError(f"paper {paper!r}: ruled on {sorted(map(str, strange))[0]}, which is not printed")
+    return tuple(found)
+
+
+def _taken(paper: str, place: Place, rulings: Mapping[Place, Ruling]) -> Ruling:
+    if place not in rulings:
+        raise StudyError(f"paper {paper!r}: no ruling on {place.table}, {place.row} / {place.column}")
+    return rulings[place]
+
+
+def _cells(paper: str, rulings: Mapping[Place, Ruling]) -> Iterable[Entry]:
+    for number, table in tables(paper).items():
+        for cell in table.cells:
+            place = Place(number, cell.row, cell.column)
+            yield Entry(paper, place, number, "", cell.quantity, cell.printed, _taken(paper, place, rulings))
+
+
+def _claims(paper: str, rulings: Mapping[Place, Ruling]) -> Iterable[Entry]:
+    for one in claims(paper).values():
+        place = Place(CLAIM, one.id)
+        yield Entry(paper, place, one.place, one.about, "claim", one.printed, _taken(paper, place, rulings))
+
+
+def _statements(paper: str, rulings: Mapping[Place, Ruling]) -> Iterable[Entry]:
+    for one in MODULES[paper].statements():
+        place = Place(CLAIM, one.id)
+        yield Entry(paper, place, one.place, one.about, "statement", "", _taken(paper, place, rulings))

@@ -1,0 +1,103 @@
+"""The plots of the reproduction pages, in the report's look."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Sequence
+
+import matplotlib as mpl
+import numpy as np
+from markupsafe import Markup
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from study.report.figures import DASHES, GRID, INK, RC, SERIES
+from study.report.svg import themed
+from study.reproduction.common import NUMBERS, Panel, chaos_numbers, chi_squares
+from study.search.chaos import N_BINS
+
+LEAST = 1e-300
+"""What a logarithmic axis shows of zero."""
+
+
+def panels(key: str, shown: Sequence[Panel], columns: int, title: str) -> Markup:
+    """Plot small multiples of best values over generations, medians over seeds.
+
+    Parameters
+    ----------
+    key : str
+        Prefix of the figure's ids.
+    shown : sequence of Panel
+        All with the same labels.
+    columns : int
+    title : str
+    """
+    rows = math.ceil(len(shown) / columns)
+    with mpl.rc_context(RC):
+        figure = _figure(1040 if columns > 1 else 620, 60 + 210 * rows)
+        for k, panel in enumerate(shown, start=1):
+            axes = figure.add_subplot(rows, columns, k)
+            _panel(axes, panel)
+            if k > len(shown) - columns:
+                axes.set_xlabel("generation")
+        return _svg(
+            figure,
+            key,
+            title,
+            "Best value so far against generations, median over seeds; the tables hold the last values.",
+        )
+
+
+def _panel(axes: Axes, panel: Panel) -> None:
+    axes.grid(True, color=GRID, linewidth=0.8)
+    axes.tick_params(length=0)
+    axes.set_title(panel.title, loc="left")
+    ends = []
+    for style, (generations, values) in enumerate(panel.lines.values()):
+        heights = np.maximum(values, LEAST) if panel.logarithmic else np.asarray(values)
+        axes.plot(
+            generations,
+            heights,
+            color=SERIES[style % len(SERIES)],
+            linestyle=DASHES[style % len(DASHES)],
+            linewidth=1.6,
+        )
+        ends.append(float(heights[-1]))
+    axes.set_xscale("log")
+    if panel.logarithmic and all(np.min(values) > 0 or np.max(values) >= 0 for _, values in panel.lines.values()):
+        axes.set_yscale("log")
+    elif not panel.logarithmic:
+        low, high = min(ends), max(ends)
+        axes.set_ylim(low - 0.1 * (high - low) - 0.01 * low, high + max(0.6 * (high - low), 0.25 * low))
+
+
+def histograms(key: str, names: Sequence[str]) -> Markup:
+    """Plot how often 1000 numbers of each map fall into ten bins, with the median chi-square over many starts."""
+    with mpl.rc_context(RC):
+        figure = _figure(1040, 250)
+        edges = np.linspace(0.0, 1.0, N_BINS + 1)
+        for k, name in enumerate(names, start=1):
+            axes = figure.add_subplot(1, len(names), k)
+            counts, _ = np.histogram(chaos_numbers(name, 0), bins=edges)
+            axes.bar(edges[:-1], counts, width=0.92 / N_BINS, align="edge", color=SERIES[0], alpha=0.85)
+            axes.axhline(NUMBERS / N_BINS, color=INK, linewidth=1.2)
+            axes.tick_params(length=0)
+            axes.set_title(f"{name}: χ² = {np.median(chi_squares(name)):.1f}", loc="left")
+        described = ", ".join(f"{name} {np.median(chi_squares(name)):.1f}" for name in names)
+        return _svg(
+            figure,
+            key,
+            "Histograms of the maps",
+            f"Counts of {NUMBERS} numbers in ten bins; median chi-square over starts: {described}.",
+        )
+
+
+def _figure(width: float, height: float) -> Figure:
+    return Figure(figsize=(width / 72, height / 72), layout="constrained")
+
+
+def _svg(figure: Figure, key: str, title: str, description: str) -> Markup:
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    return themed(buffer.getvalue(), key, title, description)

@@ -1,0 +1,67 @@
+"""Run the RRT paper's whole pipeline over many worlds and count how often its final motion collides."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from study.errors import StudyError
+from study.planners.rrt_spso import attempt
+from study.planning import RunSettings
+from study.reproduction.jobs import Record
+
+CHUNK = 10
+"""Worlds in one job."""
+
+
+@dataclass(frozen=True)
+class PathAttempts:
+    """The pipeline in some worlds.
+
+    Attributes
+    ----------
+    method : str
+        A name in `study.planners.rrt_spso.METHODS`.
+    first, count : int
+        Seeds of the worlds.
+    population, generations : int
+        Of the search for durations.
+    """
+
+    method: str
+    first: int
+    count: int
+    population: int
+    generations: int
+    sources: ClassVar[tuple[str, ...]] = (
+        "pathfinding", "robots", "planners", "search", "curves", "formulation.py", "polynomial.py", "trajectory.py",
+        "planning.py", "problem.py", "reproduction/path_runs.py", "data/robots",
+    )  # fmt: skip
+    weight: ClassVar[float] = 12.0
+
+    def run(self) -> Record:
+        """Clearances, durations and path lengths, world by world; a world without a motion counts as failed."""
+        found: Record = {"tool": [], "waypoints": [], "arm": [], "duration": [], "length": [], "failed": []}
+        for seed in range(self.first, self.first + self.count):
+            settings = RunSettings(
+                "poly353", seed, self.population * self.generations, self.population, "penalty", "per-joint"
+            )
+            try:
+                tried = attempt(self.method, seed, settings)
+            except StudyError as error:
+                found["failed"].append(f"world {seed}: {error}")
+                continue
+            found["tool"].append(tried.tool_clearance)
+            found["waypoints"].append(tried.waypoint_clearance)
+            found["arm"].append(tried.arm_clearance)
+            found["duration"].append(tried.motion.duration)
+            found["length"].append(tried.path_length)
+        return found
+
+
+def attempts(method: str, worlds: int, population: int, generations: int) -> list[PathAttempts]:
+    """Jobs that together cover so many worlds."""
+    return [
+        PathAttempts(method, first, min(CHUNK, worlds - first), population, generations)
+        for first in range(0, worlds, CHUNK)
+    ]
