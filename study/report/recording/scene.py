@@ -64,7 +64,7 @@ def _looking(points: Floats, tool: Floats) -> Scene:
     target = 0.5 * (low + high)
     _, axes = np.linalg.eigh(np.cov(points[:, :2].T))
     towards = axes[:, 0] * (1.0 if (tool.mean(axis=0) - target)[:2] @ axes[:, 0] >= 0 else -1.0)
-    return Scene(target + 1.0 * float(np.linalg.norm(high - low)) * np.append(towards, 0.35), target)
+    return Scene(target + 1.1 * float(np.linalg.norm(high - low)) * np.append(towards, 0.35), target)
 
 
 def _arm(robot: Robot, contents: Contents, one: Shown) -> _Arm:

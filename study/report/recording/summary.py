@@ -41,7 +41,8 @@ def ladder_bars(contents: Contents) -> list[Bar]:
         return [Bar(o.label, o.title, o.motion.duration, o.color) for o in contents.first_look]
     bars = []
     for place, rung in enumerate(rungs, start=1):
-        one = shown.get(rung.method, shown.get(f"published: {rung.method}"))
+        first = rung.method.split(", ")[0]  # a rung may stand for several methods of the same time
+        one = shown.get(first, shown.get(f"published: {first}"))
         remark = "" if rung.feasible else "  infeasible" if one is not None else "  not judged"
         text = f"{_rung_name(rung)}  {seconds(rung.seconds)}{remark}"
         bars.append(Bar(f"{place} {rung.method}", text, rung.seconds, GREY if one is None else one.color))
