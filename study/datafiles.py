@@ -20,6 +20,9 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+FORMS = ("one for all", "one for each", "file name", "rows", "list")
+"""Names of the forms that one field may take; they are no part of a field's name."""
+
 Model = TypeVar("Model", bound=BaseModel)
 
 
@@ -88,7 +91,7 @@ def checked(model: type[Model], content: object, where: str) -> Model:
 
 def _sentence(error: ValidationError, where: str) -> str:
     first, *others = error.errors(include_url=False)
-    field = ".".join(str(part) for part in first["loc"]) or "the file"
+    field = ".".join(str(part) for part in first["loc"] if part not in FORMS) or "the file"
     more = f" (and {len(others)} more)" if others else ""
     if first["type"] == "extra_forbidden":
         return f"{where}: unknown key {field!r}; remove it or correct its spelling{more}"

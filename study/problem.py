@@ -107,6 +107,37 @@ class JointLimits:
         )
 
 
+FROM_LIMITS = (0.0, 0.0)
+"""Duration bounds that nobody gave."""
+
+
+def usual_bounds(waypoints: Floats, limits: JointLimits) -> tuple[float, float]:
+    """Choose a box of segment durations that suits any scale of waypoints and limits.
+
+    From stop to stop a joint takes no less than d/V, sqrt(4d/A) and cbrt(32d/J), and little more than their sum. The lower
+    bound is what no motion can beat, the shortest d/V of any segment, or a hundredth of the shortest stop to stop
+    where no velocity is limited; the upper bound is ten times the longest stop to stop.
+
+    Parameters
+    ----------
+    waypoints : array of shape (n_waypoints, n_joints), rad or m
+    limits : JointLimits
+
+    Returns
+    -------
+    tuple of two floats, s
+    """
+    steps = np.abs(np.diff(waypoints, axis=0))
+    moved = steps[(steps > 0).any(axis=1)]
+    if not len(moved):
+        return 1e-3, 10.0
+    at_full_speed = (moved / limits.velocity).max(axis=1)
+    each = [at_full_speed, np.sqrt(4 * moved / limits.acceleration).max(axis=1)]
+    stops = np.sum([*each, np.cbrt(32 * moved / limits.jerk).max(axis=1)], axis=0)
+    lower = float(at_full_speed.min() or 0.01 * stops.min() or 1e-3)
+    return lower, 10 * max(float(stops.max()), lower)
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
     """Pass through waypoints in order, as fast as the joint limits allow.
@@ -118,9 +149,10 @@ class Problem:
     limits : JointLimits
     end : EndCondition
         What the judge demands of the first and last instant.
-    duration_bounds : tuple of two floats, s
+    duration_bounds : tuple of two floats, s, optional
         The box (lower, upper) in which segment-time searches look; the lower bound also holds for
-        deterministic segment-time methods. The judge does not use it.
+        deterministic segment-time methods. The judge does not use it. Without it, `usual_bounds` of the waypoints and
+        limits is taken.
     allow_dwell : bool
         Whether neighbouring waypoints may be equal, as they may when one joint is taken alone.
     joint_names : tuple of str, optional
@@ -136,7 +168,7 @@ class Problem:
     waypoints: Floats
     limits: JointLimits
     end: EndCondition = EndCondition.REST
-    duration_bounds: tuple[float, float] = (1e-3, 10.0)
+    duration_bounds: tuple[float, float] = FROM_LIMITS
     allow_dwell: bool = False
     joint_names: Sequence[str] = ()
 
@@ -158,6 +190,8 @@ class Problem:
             )
         self._check_neighbours(where)
         self._check_positions(where)
+        if self.duration_bounds == FROM_LIMITS:
+            object.__setattr__(self, "duration_bounds", usual_bounds(points, self.limits))
         lower, upper = self.duration_bounds
         if not 0 <= lower < upper < np.inf:
             raise StudyError(f"{where}: duration bounds must satisfy 0 <= lower < upper, got ({lower:g}, {upper:g}) s")

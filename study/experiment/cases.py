@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,8 +15,17 @@ from study.curves import curve_named
 from study.datafiles import checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
 from study.experiment.casefile import SI, CaseFile, Limits, Printed, Rates, Unit, in_si, varied
+from study.experiment.execution import usual_settings
+from study.experiment.owncase import own_parts
+from study.io.rows import parsed
 from study.planning import RunSettings
 from study.problem import EndCondition, Floats, JointLimits, Problem, frozen_array
+
+PAPERS_OWN = {"paper", "planner", "settings", "published"}
+"""Fields that only a case of a paper has."""
+
+OWN_EVALUATIONS = 15000
+"""Budget of the searches on a case of one's own under `study run --full`: as many as the woodworking paper spends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +85,10 @@ class Case:
         Range of positions that the paper prints; it is judged only where the problem's limits repeat it.
     sources : mapping of str to str
         Field of the case: the place in the paper it was read from, or `ours: ` and why.
+    obstacles : array of shape (n_obstacles, 2, 3), m
+        Lower and upper corners of boxes in the robot's base frame.
+    arm_radius : float, m
+        Of the capsules that stand for the links where obstacles are looked for.
     """
 
     name: str
@@ -92,6 +106,8 @@ class Case:
     fixed_joints: Mapping[int, float] = field(default_factory=dict)
     position_range: Floats | None = None
     sources: Mapping[str, str] = field(default_factory=dict)
+    obstacles: Floats = field(default_factory=lambda: np.empty((0, 2, 3)))
+    arm_radius: float = 0.05
 
     def robot_configuration(self, q: ArrayLike) -> Floats:
         """Put the joints that the problem leaves out back in their places.
@@ -139,7 +155,8 @@ def load_case(name_or_path: str | Path) -> Case:
     Parameters
     ----------
     name_or_path : str or Path
-        A name that `case_names` gives, or the path of a YAML file.
+        A name that `case_names` gives, or the path of a YAML or JSON file: one as in `data/cases`, or the shorter form
+        for one's own robot, `study.experiment.ownfile.OwnCase`.
 
     Raises
     ------
@@ -147,8 +164,14 @@ def load_case(name_or_path: str | Path) -> Case:
         If there is no such case or file, or a field of the file is missing, unknown or impossible.
     """
     path = Path(name_or_path)
-    if path.suffix in (".yaml", ".yml") or len(path.parts) > 1:
-        return next(iter(_cases_in(path).values()))
+    if path.suffix in (".yaml", ".yml", ".json") or len(path.parts) > 1:
+        content = parsed(path)
+        if not isinstance(content, dict):
+            raise StudyError(
+                f"file {str(path)!r} must hold named fields (a YAML mapping), got {type(content).__name__}; "
+                "see `study init` for an example"
+            )
+        return next(iter(_cases_of(content, path).values())) if PAPERS_OWN & content.keys() else own_case(content, path)
     cases = _library()
     if str(name_or_path) not in cases:
         raise unknown("case", str(name_or_path), cases)
@@ -166,9 +189,34 @@ def _library() -> dict[str, Case]:
     return cases
 
 
+def own_case(content: Mapping[str, Any], path: Path) -> Case:
+    """Make a case of what a file about one's own robot says; files that it names are looked up beside `path`."""
+    parts = own_parts(content, path)
+    return Case(
+        name=parts.problem.name,
+        title=parts.title,
+        paper="own",
+        problem=parts.problem,
+        curve=curve_named(parts.curve).name,
+        settings=replace(usual_settings(parts.problem), curve=parts.curve, evaluations=OWN_EVALUATIONS),
+        planner="golds-pso",
+        robot=parts.robot,
+        units=parts.units,
+        published=(),
+        notes=parts.notes,
+        sources=parts.sources,
+        obstacles=parts.obstacles,
+        arm_radius=parts.arm_radius,
+    )
+
+
 def _cases_in(path: Path) -> dict[str, Case]:
+    return _cases_of(read_yaml(path), path)
+
+
+def _cases_of(content: Mapping[str, Any], path: Path) -> dict[str, Case]:
     where = f"file {path.name!r}"
-    base = checked(CaseFile, read_yaml(path), where)
+    base = checked(CaseFile, content, where)
     files = [base]
     files += [checked(CaseFile, varied(base, name), f"{where}, variant {name!r}") for name in base.variants]
     return {file.name: _case(file, f"{where}, case {file.name!r}") for file in files}

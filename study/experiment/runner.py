@@ -3,80 +3,27 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from dataclasses import dataclass
 from itertools import islice
-
-import numpy as np
 
 from study.errors import StudyError
 from study.experiment.cases import Case
-from study.experiment.codec import check_storable
+from study.experiment.execution import Task, execute, failed
 from study.experiment.pool import Overdue, WorkerDied, WorkerPool
-from study.experiment.registry import planner_named
 from study.experiment.results import Cell, Result
 from study.experiment.store import Store
-from study.judge import judge
-from study.planning import Plan, Status
-from study.problem import Problem
+from study.planning import Status
+
+__all__ = ["Task", "default_jobs", "execute", "hard_limit", "run_cells"]
 
 WINDOW = 1000
 """Cells handed to the executor ahead of time; bounds the memory of a sweep of millions."""
 
 
-@dataclass(frozen=True, eq=False)
-class Task:
-    """A cell and the problem that it is about, as sent to a worker."""
-
-    cell: Cell
-    problem: Problem
-
-
 def hard_limit(task: Task) -> float:
     """Seconds after which a task's worker is killed: the solver's own limit and time to notice it."""
     return 1.25 * task.cell.settings.time_limit + 2.0
-
-
-def execute(task: Task) -> Result:
-    """Plan, time and judge one cell; whatever goes wrong in the planner becomes the result's reason."""
-    started = time.perf_counter()
-    try:
-        planner = planner_named(task.cell.planner)
-        started = time.perf_counter()
-        plan = planner.plan(task.problem, task.cell.settings)
-        wall_time = time.perf_counter() - started
-        return _judged(task, plan, wall_time)
-    except StudyError as error:
-        reason = str(error)
-    except Exception as error:  # a planner may raise anything; it is a record, not a crash
-        reason = f"{type(error).__name__}: {error}"
-    return failed(task.cell, reason, time.perf_counter() - started)
-
-
-def _judged(task: Task, plan: Plan, wall_time: float) -> Result:
-    if plan.motion is not None:
-        check_storable(plan.motion)
-    return Result(
-        cell=task.cell,
-        status=plan.status,
-        message=plan.message,
-        motion=plan.motion,
-        verdict=None if plan.motion is None else judge(task.problem, plan.motion),
-        durations=plan.durations,
-        evaluations=plan.evaluations,
-        iterations=plan.iterations,
-        history=plan.history,
-        details=plan.details,
-        wall_time=wall_time,
-    )
-
-
-def failed(cell: Cell, reason: str, wall_time: float, status: Status = Status.FAILED) -> Result:
-    """Build the result of a cell that brought no motion."""
-    nothing = np.empty((0, 2))
-    return Result(cell, status, " ".join(reason.split()), None, None, None, 0, 0, nothing, {}, wall_time)
 
 
 def default_jobs() -> int:

@@ -1,0 +1,77 @@
+"""Run one planner on one problem: plan, time, judge, and turn whatever goes wrong into a record."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from study.errors import StudyError
+from study.experiment.codec import check_storable
+from study.experiment.registry import planner_named
+from study.experiment.results import Cell, Result
+from study.judge import judge
+from study.planning import Plan, RunSettings, Status
+from study.problem import EndCondition, Problem
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A cell and the problem that it is about, as sent to a worker."""
+
+    cell: Cell
+    problem: Problem
+
+
+def execute(task: Task) -> Result:
+    """Plan, time and judge one cell; whatever goes wrong in the planner becomes the result's reason."""
+    started = time.perf_counter()
+    try:
+        planner = planner_named(task.cell.planner)
+        started = time.perf_counter()
+        plan = planner.plan(task.problem, task.cell.settings)
+        wall_time = time.perf_counter() - started
+        return judged(task, plan, wall_time)
+    except StudyError as error:
+        reason = str(error)
+    except Exception as error:  # a planner may raise anything; it is a record, not a crash
+        reason = f"{type(error).__name__}: {error}"
+    return failed(task.cell, reason, time.perf_counter() - started)
+
+
+def judged(task: Task, plan: Plan, wall_time: float) -> Result:
+    """Build the result of a cell whose planner came back."""
+    if plan.motion is not None:
+        check_storable(plan.motion)
+    return Result(
+        cell=task.cell,
+        status=plan.status,
+        message=plan.message,
+        motion=plan.motion,
+        verdict=None if plan.motion is None else judge(task.problem, plan.motion),
+        durations=plan.durations,
+        evaluations=plan.evaluations,
+        iterations=plan.iterations,
+        history=plan.history,
+        details=plan.details,
+        wall_time=wall_time,
+    )
+
+
+def failed(cell: Cell, reason: str, wall_time: float, status: Status = Status.FAILED) -> Result:
+    """Build the result of a cell that brought no motion."""
+    nothing = np.empty((0, 2))
+    return Result(cell, status, " ".join(reason.split()), None, None, None, 0, 0, nothing, {}, wall_time)
+
+
+def usual_settings(problem: Problem) -> RunSettings:
+    """Choose settings for a problem of one's own: a curve that fits, all joints together, every candidate made feasible."""
+    return RunSettings(curve=usual_curve(problem), formulation="scaled", synchronisation="shared")
+
+
+def usual_curve(problem: Problem) -> str:
+    """Name the curve family that gives the ends what the problem demands of them."""
+    if problem.end is not EndCondition.SMOOTH:
+        return "cubic-spline"
+    return "poly353" if problem.n_waypoints == 4 else "cubic-spline-smooth"

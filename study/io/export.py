@@ -1,0 +1,131 @@
+"""A motion as a file: samples at a rate, a ROS 2 message, arrays, or the exact polynomials."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from study.errors import StudyError
+from study.io.exact import exact_text
+from study.io.joint_trajectory import message_json, message_yaml
+from study.problem import Floats, Problem
+from study.trajectory import Motion, ParametricTrajectory
+
+MOST_SAMPLES = 10_000_000
+"""More samples than this are taken for a mistake in the rate."""
+
+
+def sample_times(duration: float, rate: float) -> Floats:
+    """Every 1/rate seconds from 0, and the end point.
+
+    Parameters
+    ----------
+    duration : float, s
+    rate : float, Hz
+
+    Returns
+    -------
+    array of shape (n_samples,), s
+
+    Raises
+    ------
+    StudyError
+        If the rate is not positive, or there would be more than ten million samples.
+    """
+    if not 0 < rate < np.inf:
+        raise StudyError(f"the rate must be a positive number of samples per second, got {rate:g}")
+    if duration * rate > MOST_SAMPLES:
+        raise StudyError(
+            f"{duration:g} s at {rate:g} samples per second are more than {MOST_SAMPLES} samples; lower the rate"
+        )
+    inner = np.arange(np.ceil(duration * rate)) / rate
+    return np.append(inner[inner < duration * (1 - 1e-12)], duration)
+
+
+def write_motion(motion: Motion, problem: Problem, path: Path, rate: float = 100.0) -> Path:
+    """Write a motion in the form that the file's name asks for.
+
+    Parameters
+    ----------
+    motion : Motion
+    problem : Problem
+        Gives names to the joints.
+    path : Path
+        `.csv`: samples of time, positions, velocities and accelerations; `.yaml` and `.json`: a ROS 2
+        `trajectory_msgs/JointTrajectory`; `.npz`: samples and exact coefficients as arrays; `.exact.json`: the piecewise
+        polynomials, which `study.io.exact.read_exact` gives back to the last bit.
+    rate : float, Hz
+        Of the samples; the end point is always there.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    StudyError
+        If the ending is another, the rate is impossible or the file cannot be written.
+    """
+    kind = ".exact.json" if path.name.endswith(".exact.json") else path.suffix.lower()
+    if kind not in WRITERS:
+        raise StudyError(f"cannot write {str(path)!r}: its name must end in one of {', '.join(WRITERS)}")
+    content = WRITERS[kind](motion, problem, rate)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    except OSError as error:
+        raise StudyError(f"cannot write {str(path)!r}: {error.strerror or error}; choose another place") from None
+    return path
+
+
+def csv_text(motion: Motion, problem: Problem, rate: float) -> str:
+    """Samples as `study check` reads them: time, then positions, velocities and accelerations of all joints."""
+    times = sample_times(motion.duration, rate)
+    names = [f"{kind}{name}" for kind in ("", "velocity of ", "acceleration of ") for name in problem.joint_names]
+    table = np.hstack([times[:, None], *(motion(times, order) for order in range(3))])
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["time", *names])
+    writer.writerows([repr(value) for value in row] for row in table.tolist())
+    return text.getvalue()
+
+
+def npz_bytes(motion: Motion, problem: Problem, rate: float) -> bytes:
+    """Samples under `time`, `position`, `velocity`, `acceleration` and `jerk`, and what makes the motion exact."""
+    times = sample_times(motion.duration, rate)
+    orders = dict(zip(("position", "velocity", "acceleration", "jerk"), range(4), strict=True))
+    arrays = {name: motion(times, order) for name, order in orders.items()}
+    exact = {name: np.asarray(getattr(motion, part)) for name, part in _parts(motion).items()}
+    buffer = io.BytesIO()
+    np.savez(
+        buffer,
+        allow_pickle=False,
+        time=times,
+        joint_names=np.array(problem.joint_names),
+        waypoints=problem.waypoints,
+        waypoint_times=motion.waypoint_times,
+        **arrays,
+        **exact,
+    )
+    return buffer.getvalue()
+
+
+def _parts(motion: Motion) -> dict[str, str]:
+    """Names in the archive of the arrays that make a motion."""
+    if isinstance(motion, ParametricTrajectory):
+        return {"knots": "knots", "time_coefficients": "time", "position_coefficients": "position"}
+    return {"knots": "knots", "coefficients": "coefficients"}
+
+
+WRITERS: dict[str, Callable[[Motion, Problem, float], bytes]] = {
+    ".csv": lambda motion, problem, rate: csv_text(motion, problem, rate).encode(),
+    ".yaml": lambda motion, problem, rate: message_yaml(motion, problem, sample_times(motion.duration, rate)).encode(),
+    ".yml": lambda motion, problem, rate: message_yaml(motion, problem, sample_times(motion.duration, rate)).encode(),
+    ".json": lambda motion, problem, rate: message_json(motion, problem, sample_times(motion.duration, rate)).encode(),
+    ".npz": npz_bytes,
+    ".exact.json": lambda motion, problem, rate: exact_text(motion, problem).encode(),
+}

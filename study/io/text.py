@@ -1,0 +1,35 @@
+"""Text files as people send them: with or without byte order mark, with any line ends."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from study.errors import StudyError
+
+MARKS = ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
+"""How a file says that it is not UTF-8, as spreadsheet programs do."""
+
+
+def read_text(path: Path) -> str:
+    """Read a text file in UTF-8, or in UTF-16 if it says so.
+
+    Raises
+    ------
+    StudyError
+        If the file is missing, a folder, not readable or not text.
+    """
+    try:
+        raw = path.read_bytes()
+    except FileNotFoundError:
+        raise StudyError(f"file {str(path)!r} does not exist; check the path") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise StudyError(f"file {str(path)!r} cannot be read: {reason}") from None
+    encoding = next((name for mark, name in MARKS if raw.startswith(mark)), "utf-8-sig")
+    try:
+        text = raw.decode(encoding)
+    except UnicodeDecodeError:
+        raise StudyError(f"file {str(path)!r} is not text in UTF-8; save it as UTF-8") from None
+    if "\0" in text:
+        raise StudyError(f"file {str(path)!r} is not text: it holds zero bytes")
+    return text

@@ -1,0 +1,168 @@
+"""Joints, limits and frames of a URDF file: serial chains of revolute, continuous, prismatic and fixed joints.
+
+References
+----------
+ROS, urdf/XML/joint: origin xyz and rpy, axis, limit lower, upper and velocity; rpy turns about fixed x, then y, then z.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET  # files with a DOCTYPE, the way in for entity attacks, are refused
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from study.errors import StudyError, unknown
+from study.io.text import read_text
+from study.problem import Floats
+
+MOVING = ("revolute", "continuous", "prismatic")
+
+
+@dataclass(frozen=True, eq=False)
+class UrdfJoint:
+    """One joint as the file states it.
+
+    Attributes
+    ----------
+    name, kind, parent, child : str
+    origin : array of shape (4, 4), m
+        From the parent link's frame to the joint's.
+    axis : array of shape (3,)
+        Of unit length, in the joint's frame.
+    velocity, lower, upper : float, optional, rad or m and s
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    origin: Floats
+    axis: Floats
+    velocity: float | None
+    lower: float | None
+    upper: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Urdf:
+    """A robot description: its name and joints in the file's order."""
+
+    name: str
+    joints: tuple[UrdfJoint, ...]
+
+    @property
+    def moving(self) -> tuple[UrdfJoint, ...]:
+        """Joints that turn or slide."""
+        return tuple(joint for joint in self.joints if joint.kind in MOVING)
+
+    def chain(self, names: Sequence[str]) -> tuple[UrdfJoint, ...]:
+        """All joints from the root to the last of the named ones, fixed and unnamed ones among them.
+
+        Raises
+        ------
+        StudyError
+            If a name is unknown, or the named joints do not lie on one chain in the order given.
+        """
+        by_name = {joint.name: joint for joint in self.joints}
+        for name in names:
+            if name not in by_name:
+                raise unknown(f"joint in URDF {self.name!r}:", name, by_name)
+        above = {joint.child: joint for joint in self.joints}
+        path = [by_name[names[-1]]]
+        while path[0].parent in above:
+            path.insert(0, above[path[0].parent])
+            if len(path) > len(self.joints):
+                raise StudyError(f"URDF {self.name!r}: its links form a loop; only trees can be read")
+        if [joint.name for joint in path if joint.name in names] != list(names):
+            raise StudyError(f"URDF {self.name!r}: joints {', '.join(names)} do not follow each other on one chain")
+        return tuple(path)
+
+
+def read_urdf(path: Path) -> Urdf:
+    """Read a URDF file.
+
+    Raises
+    ------
+    StudyError
+        If the file cannot be read, is not URDF, or a joint is incomplete.
+    """
+    text, where = read_text(path), f"file {path.name!r}"
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise StudyError(f"{where} declares a DOCTYPE; remove it, URDF needs none")
+    try:
+        root = ET.fromstring(text.encode("utf-8") if text.lstrip().startswith("<?xml") else text)  # noqa: S314
+    except ET.ParseError as error:
+        raise StudyError(f"{where} is not valid XML: {error}") from None
+    if root.tag != "robot":
+        raise StudyError(f"{where} is not URDF: its outermost element is {root.tag!r}, expected 'robot'")
+    if path.suffix == ".xacro" or any("xacro" in str(element.tag) for element in root.iter()):
+        raise StudyError(f"{where} holds xacro macros; expand it first with: xacro {path.name} > robot.urdf")
+    joints = tuple(_joint(element, where) for element in root.findall("joint"))
+    if not joints:
+        raise StudyError(f"{where} has no joints; give the URDF of an arm")
+    return Urdf(root.get("name", path.stem), joints)
+
+
+def _joint(element: ET.Element, where: str) -> UrdfJoint:
+    name, kind = element.get("name"), element.get("type")
+    if name is None or kind is None:
+        raise StudyError(f"{where}: a joint needs a name and a type, got {name!r} and {kind!r}")
+    here = f"{where}, joint {name!r}"
+    links = [found.get("link") if (found := element.find(end)) is not None else None for end in ("parent", "child")]
+    if links[0] is None or links[1] is None:
+        raise StudyError(f"{here}: it needs a parent link and a child link")
+    limit = element.find("limit")
+    values = {key: _number(limit, key, here) for key in ("velocity", "lower", "upper")}
+    if kind == "continuous":
+        values["lower"] = values["upper"] = None
+    elif kind in MOVING and limit is not None and (limit.get("lower") is None) != (limit.get("upper") is None):
+        values = values | {key: values[key] or 0.0 for key in ("lower", "upper")}  # URDF: what is left out is 0
+    origin = element.find("origin")
+    offset, angles = _triple(origin, "xyz", (0, 0, 0), here), _triple(origin, "rpy", (0, 0, 0), here)
+    axis = _triple(element.find("axis"), "xyz", (1, 0, 0), here)
+    if kind in MOVING and not np.linalg.norm(axis):
+        raise StudyError(f"{here}: its axis has no length")
+    axis = axis / (np.linalg.norm(axis) or 1.0)
+    return UrdfJoint(name, kind, links[0], links[1], _transform(offset, angles), axis, **values)
+
+
+def _number(element: ET.Element | None, key: str, where: str) -> float | None:
+    text = None if element is None else element.get(key)
+    if text is None:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value):
+        raise StudyError(f"{where}: {key!r} must be a finite number, got {text!r}")
+    return value
+
+
+def _triple(element: ET.Element | None, key: str, usual: tuple[float, float, float], where: str) -> Floats:
+    text = None if element is None else element.get(key)
+    try:
+        values = np.array(usual if text is None else text.split(), dtype=float)
+    except ValueError:
+        values = np.empty(0)
+    if values.shape != (3,) or not np.isfinite(values).all():
+        raise StudyError(f"{where}: {key!r} must be three numbers, got {text!r}")
+    return values
+
+
+def _transform(offset: Floats, angles: Floats) -> Floats:
+    x, y, z = (turn(np.eye(3)[k], np.array([angle]))[0] for k, angle in enumerate(angles))
+    result = z @ y @ x
+    result[:3, 3] = offset
+    return result
+
+
+def turn(axis: Floats, angles: Floats) -> Floats:
+    """Turn about an axis of unit length: transforms of shape (n, 4, 4) for angles of shape (n,), by Rodrigues' formula."""
+    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    result = np.tile(np.eye(4), (len(angles), 1, 1))
+    result[:, :3, :3] += np.sin(angles)[:, None, None] * cross + (1 - np.cos(angles))[:, None, None] * (cross @ cross)
+    return result
