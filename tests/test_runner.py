@@ -148,6 +148,21 @@ def test_a_dead_or_overdue_worker_costs_one_task():
     assert [type(future.exception()) for future in futures] == [WorkerDied, Overdue, type(None), ValueError]
 
 
+def nap(seconds):
+    time.sleep(seconds)
+    return os.getpid()
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks at /proc")
+def test_a_worker_killed_from_outside_costs_nothing():
+    with WorkerPool(1) as pool:
+        first = pool.submit(os.getpid).result()
+        future = pool.submit(nap, 1.0)
+        time.sleep(0.3)
+        os.kill(first, signal.SIGKILL)
+        assert future.result() != first
+
+
 def test_closing_at_once_ends_what_runs():
     pool = WorkerPool(1)
     running, waiting = pool.submit(time.sleep, 60), pool.submit(time.sleep, 60)

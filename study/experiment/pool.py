@@ -1,7 +1,8 @@
 """A pool of worker processes that survives what native solvers do: crash, hang, or ignore a time limit.
 
 `concurrent.futures.ProcessPoolExecutor` gives every task up when one worker dies and cannot stop a task that runs. Here
-each worker has its own pipe and its own watching thread, so a dead or overdue worker costs one task and is replaced.
+each worker has its own pipe and its own watching thread, so a dead or overdue worker costs one task and is replaced. A
+task whose worker died is tried once more, so that a worker killed from outside costs nothing.
 """
 
 from __future__ import annotations
@@ -86,10 +87,21 @@ class WorkerPool(Executor):
                 future.cancel()
                 continue
             try:
-                future.set_result(worker.call((fn, args, kwargs), self._limit and self._limit(*args, **kwargs)))
+                future.set_result(self._called(worker, (fn, args, kwargs)))
             except Exception as error:  # whatever the task raised belongs to its future
                 future.set_exception(error)
         worker.kill()
+
+    def _called(self, worker: _Worker, message: tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]) -> Any:
+        """Do a task, and once more if its worker died: a crash of its own comes again, a kill from outside does not."""
+        _, args, kwargs = message
+        limit = self._limit and self._limit(*args, **kwargs)
+        try:
+            return worker.call(message, limit)
+        except WorkerDied:
+            if self._closing.is_set():
+                raise
+            return worker.call(message, limit)
 
 
 class _Worker:
