@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+import sqlite3
 import subprocess
 import sys
+import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -116,7 +119,7 @@ def study_command() -> Callable[..., subprocess.CompletedProcess[str]]:
     """Run the command `study` in a process of its own."""
 
     def run(*arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(command(*arguments), capture_output=True, text=True, timeout=100, **options)
+        return subprocess.run(command(*arguments), capture_output=True, text=True, timeout=110, **options)
 
     return run
 
@@ -124,3 +127,22 @@ def study_command() -> Callable[..., subprocess.CompletedProcess[str]]:
 def command(*arguments: object) -> list[str]:
     """Command line of `study` with the interpreter that runs the tests."""
     return [sys.executable, "-c", "from study.cli import main; main()", *map(str, arguments)]
+
+
+def stored(path: Path) -> int:
+    """Count the results in a file that another process may be writing, or has not laid out yet."""
+    if not (path.exists() and path.stat().st_size):
+        return 0
+    with closing(sqlite3.connect(f"{path.as_uri()}?mode=ro", uri=True)) as connection:
+        try:
+            return int(connection.execute("SELECT count(*) FROM results").fetchone()[0])
+        except sqlite3.OperationalError:
+            return 0
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 90.0) -> None:
+    """Wait for something that another process does."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.05)

@@ -1,16 +1,13 @@
 import os
 import signal
 import subprocess
-import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from study.curves import curve_named
 from study.experiment.cases import case_names, load_case
-from study.experiment.store import Store
-from tests.conftest import CASE_FILE, command
+from tests.conftest import CASE_FILE, command, stored, wait_until
 
 
 @pytest.fixture
@@ -105,22 +102,16 @@ def test_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(stubs, case_file, t
     process = subprocess.Popen(
         command("run", *arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
     )
-    path, end = out / "results.sqlite", time.monotonic() + 40
-    while time.monotonic() < end and not (path.exists() and path.stat().st_size and stored(path) >= 2):
-        time.sleep(0.05)
+    path = out / "results.sqlite"
+    wait_until(lambda: stored(path) >= 2)
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the main process and to all workers
-    _, errors = process.communicate(timeout=30)
+    _, errors = process.communicate(timeout=90)
     assert process.returncode == 130
     kept = stored(path)
     assert errors.strip() == (
         f"study: interrupted: {kept} of 200 cells are stored in {path}; run the same command again to go on"
     )
     assert 2 <= kept < 200
-
-
-def stored(path: Path) -> int:
-    with Store(path, {}, write=False) as store:
-        return store._connection.execute("SELECT count(*) FROM results").fetchone()[0]
 
 
 @pytest.mark.parametrize("orders", [1, 2, 3])

@@ -15,6 +15,7 @@ from study.experiment.pool import Overdue, WorkerDied, WorkerPool
 from study.experiment.runner import Task, execute, hard_limit, run_cells
 from study.experiment.store import Store
 from study.planning import Status
+from tests.conftest import stored, wait_until
 
 
 @pytest.fixture
@@ -198,28 +199,24 @@ def script(tmp_path, stubs, case_file):
     return lambda store, jobs: [sys.executable, str(path), str(tmp_path / store), str(case_file), str(jobs)]
 
 
-def stored(path: Path) -> int:
-    with Store(path, {}, write=False) as store:
-        return store._connection.execute("SELECT count(*) FROM results").fetchone()[0]
-
-
 def children_of(pid: int) -> list[int]:
     return [int(p) for p in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
 
 
+@pytest.mark.timeout(400)
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks at /proc")
 def test_kill_9_loses_only_cells_in_flight_and_the_next_run_ends_the_same(tmp_path, script):
-    whole = subprocess.run(script("whole.sqlite", 1), capture_output=True, text=True, check=True, timeout=60).stdout
+    whole = subprocess.run(script("whole.sqlite", 1), capture_output=True, text=True, check=True, timeout=200).stdout
     path = tmp_path / "killed.sqlite"
     process = subprocess.Popen(script("killed.sqlite", 2), stdout=subprocess.DEVNULL)
-    wait_until(lambda: path.exists() and path.stat().st_size and stored(path) >= 2)
+    wait_until(lambda: stored(path) >= 2)
     workers = children_of(process.pid)
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
     kept = stored(path)
     assert 2 <= kept < 25
     wait_until(lambda: not any(alive(pid) for pid in workers))  # nobody is left behind
-    resumed = subprocess.run(script("killed.sqlite", 2), capture_output=True, text=True, check=True, timeout=60).stdout
+    resumed = subprocess.run(script("killed.sqlite", 2), capture_output=True, text=True, check=True, timeout=200).stdout
     assert resumed == whole
     assert whole.startswith("25 ")
 
@@ -229,10 +226,3 @@ def alive(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
-
-
-def wait_until(condition, seconds=40.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.05)
