@@ -100,3 +100,21 @@ def _sentence(error: ValidationError, where: str) -> str:
     message = first["msg"].removeprefix("Value error, ")
     came = "" if first["type"] == "value_error" else f", got {str(first['input'])[:60]!r}"
     return f"{where}: field {field!r}: {message[:1].lower()}{message[1:]}{came}{more}"
+
+
+def make_file(path: Path, text: str, overwrite: bool = True) -> None:
+    """Write a text file and the folders above it.
+
+    Raises
+    ------
+    StudyError
+        If it exists and must not be overwritten, or cannot be written.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w" if overwrite else "x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError:
+        raise StudyError(f"file {str(path)!r} exists already; name another one or move it away") from None
+    except OSError as error:
+        raise StudyError(f"cannot write {str(path)!r}: {error.strerror or error}; choose another place") from None

@@ -17,6 +17,7 @@ from study.experiment.ownfile import OwnCase, OwnLimits
 from study.io.limits import OneJoint, read_limits
 from study.io.rows import WaypointRows, read_rows
 from study.problem import FROM_LIMITS, EndCondition, Floats, JointLimits, Problem
+from study.robots import robot_named
 
 _RATES = ("velocity", "acceleration", "jerk")
 
@@ -86,13 +87,16 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
         else (file.duration_bounds.lower, file.duration_bounds.upper),
         joint_names=names,
     )
+    robot = _robot(file.robot, path, problem)
+    if file.obstacles and robot is None:
+        raise StudyError(f"{where}: obstacles need a robot to know where the arm is; name one under 'robot'")
     boxes = [[box.lower, box.upper] for box in file.obstacles]
     return OwnParts(
         problem=problem,
         units=tuple(SI[unit][0] for unit in units),
         curve=file.curve or usual_curve(problem),
         title=file.title or f"{problem.n_joints} joints through {problem.n_waypoints} waypoints",
-        robot=_robot(file.robot, path),
+        robot=robot,
         obstacles=np.array(boxes, dtype=float).reshape(-1, 2, 3),
         arm_radius=file.arm_radius,
         notes=tuple(file.notes),
@@ -205,6 +209,15 @@ def _end(file: OwnCase, read: Mapping[str, OneJoint]) -> EndCondition:
     return EndCondition.SMOOTH if jerky else EndCondition.REST
 
 
-def _robot(name: str | None, path: Path) -> str | None:
-    """A file beside the case's, or one of the study's arms."""
-    return str((path.parent / name).resolve()) if name and Path(name).suffix else name
+def _robot(name: str | None, path: Path, problem: Problem) -> str | None:
+    """One of the study's arms, or the path of a file beside the case's; the arm must have the problem's joints."""
+    if name is None:
+        return None
+    found = str((path.parent / name).resolve()) if Path(name).suffix else name
+    arm = robot_named(found, tuple(problem.joint_names))
+    if arm.n_joints != problem.n_joints:
+        raise StudyError(
+            f"file {path.name!r}: robot {arm.name!r} has {arm.n_joints} moving joints, the waypoints have {problem.n_joints}; "
+            "name the moving ones under 'joints', as the robot's file does"
+        )
+    return found

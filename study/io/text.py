@@ -29,7 +29,7 @@ def read_text(path: Path) -> str:
     try:
         text = raw.decode(encoding)
     except UnicodeDecodeError:
-        raise StudyError(f"file {str(path)!r} is not text in UTF-8; save it as UTF-8") from None
+        raise StudyError(f"file {str(path)!r} cannot be read as text in UTF-8; save it as UTF-8") from None
     if "\0" in text:
-        raise StudyError(f"file {str(path)!r} is not text: it holds zero bytes")
+        raise StudyError(f"file {str(path)!r} cannot be read as text: it holds zero bytes")
     return text

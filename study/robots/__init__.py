@@ -15,6 +15,7 @@ from study.errors import StudyError, unknown
 from study.problem import Floats
 from study.robots.chain import Robot, Solver
 from study.robots.closed_form import BRANCHES, puma_inverse, ur_inverse, woodworking_inverse
+from study.robots.urdf import urdf_robot
 
 __all__ = ["BRANCHES", "SOLVERS", "Robot", "inverse", "robot_named", "robot_names"]
 
@@ -48,14 +49,25 @@ def robot_names() -> list[str]:
 
 
 @cache
-def robot_named(name: str) -> Robot:
-    """Look an arm up by name.
+def robot_named(name: str, joints: tuple[str, ...] = ()) -> Robot:
+    """Look an arm up by name, or read it from a file of one's own.
+
+    Parameters
+    ----------
+    name : str
+        One of `robot_names()`, or the path of a URDF file or of a file like those in `data/robots`.
+    joints : tuple of str
+        Which joints of a URDF move, if it has them all; every moving one otherwise.
 
     Raises
     ------
     StudyError
         If there is no such arm, or its file is broken.
     """
+    if name.endswith((".urdf", ".xml", ".xacro")):
+        return urdf_robot(Path(name), joints)
+    if Path(name).suffix:
+        return _robot(Path(name))
     files = {path.stem: path for path in _files()}
     if name not in files:
         raise unknown("robot", name, files)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from study.errors import StudyError
 from study.io.urdf import UrdfJoint, read_urdf, turn
 from study.problem import Floats
 from study.robots.chain import Robot
@@ -50,7 +51,8 @@ def urdf_robot(path: Path, names: Sequence[str] = ()) -> UrdfRobot:
     ----------
     path : Path
     names : sequence of str, optional
-        Joints that move, from the base on; all moving ones by default. Others on the way stand at zero.
+        Joints that move, from the base on; all moving ones if it is empty or holds strangers. Others on the way stand at
+        zero.
 
     Raises
     ------
@@ -58,7 +60,10 @@ def urdf_robot(path: Path, names: Sequence[str] = ()) -> UrdfRobot:
         If the file cannot be read or the joints do not form one chain.
     """
     urdf = read_urdf(path)
-    names = list(names) or [joint.name for joint in urdf.moving]
+    moving = [joint.name for joint in urdf.moving]
+    names = list(names) if names and set(names) <= set(moving) else moving
+    if not names:
+        raise StudyError(f"file {path.name!r}: no joint of it moves; give the URDF of an arm")
     groups: list[list[UrdfJoint]] = [[]]
     for joint in urdf.chain(names):
         groups[-1].append(joint)

@@ -45,7 +45,7 @@ def log_scene(stream: rr.RecordingStream, contents: Contents) -> Scene | None:
     """Write an arm per method to `/arms`, all in the robot's base frame; cases without a robot have no scene."""
     if contents.case.robot is None or not contents.shown:
         return None
-    robot = robot_named(contents.case.robot)
+    robot = robot_named(contents.case.robot, tuple(contents.case.problem.joint_names))
     arms = [_arm(robot, contents, one) for one in contents.shown]
     points = np.concatenate([arm.chain.reshape(-1, 3) for arm in arms])
     reach = float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -55,6 +55,9 @@ def log_scene(stream: rr.RecordingStream, contents: Contents) -> Scene | None:
         path = entity("arms", method(arm.one.label))
         _log_links(stream, path, arm, 0.016 * reach)
         _log_path(stream, path, arm, fastest, 0.004 * reach)
+    if len(contents.case.obstacles):
+        low, high = np.moveaxis(contents.case.obstacles, 1, 0)
+        stream.log("arms/obstacles", rr.Boxes3D(mins=low, sizes=high - low, colors=(200, 80, 60)), static=True)
     return _looking(points, np.concatenate([arm.chain[:, -1] for arm in arms]))
 
 

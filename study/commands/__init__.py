@@ -1,0 +1,1 @@
+"""Parts of the command `study` that have a file of their own."""

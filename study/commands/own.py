@@ -1,0 +1,210 @@
+"""Commands for one's own robot: `study init`, `study plan`, `study compare`, `study schema` and `study torture`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from study.api import COMPARED, Planned
+from study.api import plan as plan_motion
+from study.commands.checking import report_verdict
+from study.commands.example import EXAMPLE
+from study.commands.runs import DEFAULT_OUT, INFEASIBLE, STORE_NAME, Out, make_console, run_missing, show
+from study.datafiles import make_file
+from study.errors import StudyError
+from study.experiment.cases import Case, load_case, own_case
+from study.experiment.lineup import Budget, make_cells, parse_specs
+from study.experiment.obstacles import nearest
+from study.experiment.owncase import bare_content
+from study.experiment.registry import unavailable_planners
+from study.experiment.results import Result
+from study.experiment.store import Store
+from study.io.export import write_motion
+from study.io.joint_trajectory import found_message
+from study.io.rows import parsed
+
+FORMS = (".yaml", ".csv", ".npz", ".exact.json")
+TABLES = (".csv", ".tsv", ".txt")
+
+File = Annotated[
+    Path, typer.Argument(metavar="FILE", help="A case (YAML or JSON), or waypoints alone: CSV or a JointTrajectory.")
+]
+LimitFiles = Annotated[
+    list[Path] | None,
+    typer.Option("--limits", help="For waypoints alone: MoveIt joint_limits.yaml or URDF; may be given twice."),
+]
+Units = Annotated[str | None, typer.Option(help="For waypoints alone: rad, deg, m or mm.")]
+Rate = Annotated[float, typer.Option(help="Samples per second in the files written; the end point is always there.")]
+
+
+def init(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="The file to write.")] = Path("my_case.yaml"),
+) -> None:
+    """Write a commented example of a case to start from."""
+    make_file(file, EXAMPLE.replace("NAME", json.dumps(file.stem)), overwrite=False)
+    print(f"wrote {file}; edit it, then: study check {file}, study compare {file}")
+
+
+def plan(
+    file: File,
+    planner: Annotated[str, typer.Option(help="A name from `study list`, or auto: by what limits exist.")] = "auto",
+    save: Annotated[
+        list[Path] | None,
+        typer.Option(help="Files to write, .csv, .yaml, .json, .npz or .exact.json; all kinds below --out by default."),
+    ] = None,
+    out: Out = DEFAULT_OUT,
+    rate: Rate = 100.0,
+    seed: Annotated[int, typer.Option(help="For searches.")] = 0,
+    evaluations: Annotated[int, typer.Option(help="For searches.")] = 2000,
+    time_limit: Annotated[float, typer.Option(help="Seconds for each planner.")] = 60.0,
+    limits: LimitFiles = None,
+    units: Units = None,
+) -> None:
+    """Plan one motion, have it judged and write it; ends with 3 where no feasible motion was found."""
+    case, console = load_any(file, units, limits or []), make_console()
+    [spec] = parse_specs(planner) if planner != "auto" else [None]
+    settings = replace(case.settings, seed=seed, evaluations=evaluations, time_limit=time_limit)
+    if spec is not None:
+        settings = replace(
+            settings,
+            formulation=spec.formulation or settings.formulation,
+            synchronisation=spec.synchronisation or settings.synchronisation,
+        )
+    planned = plan_motion(case.problem, spec.planner if spec else "auto", settings)
+    for name, why, result in planned.tried:
+        console.print(Text(f"planner {name}: {why}"), soft_wrap=True)
+        if result is not planned.result or not planned.feasible:
+            console.print(Text(f"  no feasible motion: {_why_not(result)}"), soft_wrap=True)
+    if planned.result.motion is None or not report_verdict(case, planned.motion, "", console):
+        raise typer.Exit(_no_motion(case))
+    _save(case, planned, save, out, rate, console)
+
+
+def _why_not(result: Result) -> str:
+    return "; ".join(result.verdict.reasons) if result.verdict else result.message or result.status.value
+
+
+def _no_motion(case: Case) -> int:
+    typer.echo(f"study: case {case.name!r}: no feasible motion was found; the reasons are above", err=True)
+    return INFEASIBLE
+
+
+def _save(case: Case, planned: Planned, save: Sequence[Path] | None, out: Path, rate: float, console: Console) -> None:
+    for path in save or [trajectory_file(out, case, form) for form in FORMS]:
+        console.print(
+            f"trajectory: {write_motion(planned.motion, case.problem, path, rate)}", soft_wrap=True, markup=False
+        )
+
+
+def trajectory_file(out: Path, case: Case, form: str) -> Path:
+    """Where the trajectory of a case stands; what cannot be in a file's name is left out of it."""
+    return out / "trajectories" / f"{file_stem(case.name)}{form}"
+
+
+def file_stem(name: str) -> str:
+    """A case's name as a file's name."""
+    kept = "".join(letter if letter.isalnum() or letter in "-_. " else "_" for letter in name).strip(" .")
+    return kept or "case"
+
+
+def compare(
+    file: File,
+    planners: Annotated[
+        list[str] | None, typer.Option(help=f"As in `study run`. [default: {','.join(COMPARED)}]")
+    ] = None,
+    seeds: Annotated[int, typer.Option(help="Runs of every search.")] = 3,
+    evaluations: Annotated[int, typer.Option(help="Of every search.")] = 2000,
+    time_limit: Annotated[float, typer.Option(help="Seconds after which a planner is interrupted.")] = 20.0,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
+    out: Out = DEFAULT_OUT,
+    rate: Rate = 100.0,
+    report: Annotated[bool, typer.Option(help="Write the report and the recording.")] = True,
+    limits: LimitFiles = None,
+    units: Units = None,
+) -> None:
+    """Put your own problem to several planners; leaves tables, report, recording and the best trajectory."""
+    case, console = load_any(file, units, limits or []), make_console()
+    source = str(file.resolve()) if not _is_bare(file) else _kept_case(case, file, units, limits or [], out)
+    cells = make_cells([case], _compared(planners), Budget(seeds, evaluations, time_limit))
+    with Store(out / STORE_NAME, {case.name: case}) as store:
+        store.remember_lineup(cells, {case.name: source})
+        run_missing(cells, {case.name: case}, store, jobs, console)
+        results = store.results(cells)
+    show({case.name: case}, results, out, console, report)
+    best = _best(case, results, console)
+    if best is None or best.motion is None:
+        raise typer.Exit(_no_motion(case))
+    console.print(Text(f"fastest feasible: {best.cell.label}"), soft_wrap=True)
+    for form in FORMS:
+        path = write_motion(best.motion, case.problem, trajectory_file(out, case, form), rate)
+        console.print(f"trajectory: {path}", soft_wrap=True, markup=False)
+
+
+def _compared(planners: Sequence[str] | None) -> tuple[Any, ...]:
+    if planners:
+        return parse_specs(",".join(planners))
+    broken = unavailable_planners()
+    for name in COMPARED:
+        if name in broken:
+            typer.echo(f"study: left out: {broken[name]}", err=True)
+    return parse_specs(",".join(name for name in COMPARED if name not in broken))
+
+
+def _best(case: Case, results: Sequence[Result], console: Console) -> Result | None:
+    """Fastest feasible result that hits no obstacle."""
+    for result in sorted(results, key=lambda one: one.verdict.duration if one.verdict else float("inf")):
+        if result.verdict is None or not result.verdict.feasible or result.motion is None:
+            continue
+        found = nearest(case, result.motion)
+        if found is None or found.distance >= 0:
+            return result
+        console.print(Text(f"{result.cell.label}: {found.sentence}"), soft_wrap=True)
+    return None
+
+
+def load_any(file: Path, units: str | None = None, limits: Sequence[Path] = ()) -> Case:
+    """Load a case, or waypoints alone with limits from other files; a name of the study's own cases will do too."""
+    if _is_bare(file):
+        return own_case(bare_content(file, units, limits), file)
+    if limits or units:
+        raise StudyError(
+            f"--limits and --units go with a file of waypoints alone; {str(file)!r} is a case, which says both itself"
+        )
+    return load_case(file if file.suffix else str(file))
+
+
+def _is_bare(file: Path) -> bool:
+    if file.suffix.lower() in TABLES:
+        return True
+    if file.suffix.lower() not in (".yaml", ".yml", ".json") or not file.exists():
+        return False
+    content = parsed(file)
+    return isinstance(content, list) or found_message(content) is not None
+
+
+def _kept_case(case: Case, file: Path, units: str | None, limits: Sequence[Path], out: Path) -> str:
+    """Write down what a bare file came to, so that `study report` can load it again."""
+    content = bare_content(file, units, limits) | {"name": case.name, "waypoints": str(file.resolve())}
+    path = out / "cases" / f"{file_stem(case.name)}.json"
+    make_file(path, json.dumps(content, indent=1) + "\n")
+    return str(path.resolve())
+
+
+def schema() -> None:
+    """Print the JSON Schema of a case file, for editors."""
+    from study.experiment.ownfile import schema as case_schema
+
+    print(json.dumps(case_schema(), indent=2))
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    for command in (init, plan, compare, schema):
+        app.command()(command)

@@ -1,0 +1,101 @@
+"""What the commands that run planners share: the run with its bar, the tables, the report and the recordings."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from study import terminal
+from study.experiment.cases import Case
+from study.experiment.environment import environment
+from study.experiment.results import Cell, Result
+from study.experiment.runner import run_cells
+from study.experiment.store import Store
+from study.experiment.summary import summarise
+
+DEFAULT_OUT = Path("study-output")
+STORE_NAME = "results.sqlite"
+INFEASIBLE = 3
+"""Exit status where no feasible motion was found."""
+
+Out = Annotated[Path, typer.Option("--out", help="Folder of the results, the report and the recordings.")]
+
+
+class Interrupted(Exception):
+    """Ctrl-C, with the sentence to say."""
+
+
+def make_console() -> Console:
+    """Build the console: as wide as the terminal, or wide enough for all tables where there is none."""
+    console = Console()
+    return console if console.is_terminal else Console(width=160)
+
+
+def run_missing(
+    cells: Sequence[Cell], cases: Mapping[str, Case], store: Store, jobs: int | None, console: Console
+) -> None:
+    """Run the cells that are not stored yet, with a bar.
+
+    Raises
+    ------
+    Interrupted
+        On Ctrl-C.
+    """
+    missing = store.missing(cells)
+    console.print(f"{len(cells)} cells, {len(cells) - len(missing)} of them stored already")
+    done = 0
+    with terminal.progress(console) as progress:
+        task = progress.add_task("running", total=len(missing))
+
+        def finished(result: Result) -> None:
+            nonlocal done
+            done += 1
+            progress.update(task, advance=1, description=f"{result.cell.case}: {result.cell.label}")
+
+        try:
+            run_cells(missing, cases, store, jobs=jobs, on_result=finished)
+        except KeyboardInterrupt:
+            raise Interrupted(
+                f"interrupted: {len(cells) - len(missing) + done} of {len(cells)} cells are stored in {store.path}; "
+                "run the same command again to go on"
+            ) from None
+        progress.update(task, description="finished")
+
+
+def show(
+    cases: Mapping[str, Case], results: Sequence[Result], out: Path, console: Console, with_report: bool = True
+) -> None:
+    """Print the table of every case and, if so wanted, write the report and the recordings."""
+    rows = summarise(cases, results)
+    for case in cases.values():
+        console.print(terminal.rows_table(case, (row for row in rows if row.case == case.name)))
+    if with_report:
+        with console.status("writing the report and the recordings"):
+            page, recordings = write(cases, results, out)
+        console.print(
+            f"report: {page}", f"recordings: {recordings} (open one with `study view CASE`)", sep="\n", soft_wrap=True
+        )
+    console.print(f"results: {out / STORE_NAME}", soft_wrap=True)
+
+
+def write(cases: Mapping[str, Case], results: Sequence[Result], out: Path) -> tuple[Path, Path]:
+    """Write report and recordings; where the report's first page and the recordings are."""
+    os.environ["RERUN_ANALYTICS_ENABLED"] = "false"  # nothing leaves the machine; read when rerun is imported
+    from study.report.page import build_report  # here: matplotlib and rerun are slow to import
+    from study.report.recording import record_case
+
+    for case in cases.values():
+        record_case(case, [r for r in results if r.cell.case == case.name], recording_file(out, case.name))
+    return build_report(cases, results, out / "report", environment()), out / "recordings"
+
+
+def recording_file(out: Path, name: str) -> Path:
+    """Where the recording of a case stands; its folder is made."""
+    folder = out / "recordings"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder / f"{name}.rrd"
