@@ -98,20 +98,20 @@ def shortest_time(
 def _time_at_peak(d: Floats, v0: Floats, v1: Floats, limit: Floats, a: Floats) -> Floats:
     """Smallest T >= |v1 - v0| / A with upper(T) >= d, for d >= 0, s; upper then grows with T."""
     square = a * d + (v0**2 + v1**2) / 2
-    w = np.maximum(_peak(square, limit), np.maximum(v0, v1))
+    w = np.maximum(peak_velocity(square, limit), np.maximum(v0, v1))
     return np.maximum((2 * w - v0 - v1) / a, 0.0)
 
 
 def _end_of_gap(d: Floats, v0: Floats, v1: Floats, time: Floats, limit: Floats, a: Floats) -> Floats:
     """Where even the smallest displacement at a time overshoots d: the first later time at which it no longer does, s."""
     square = (v0**2 + v1**2) / 2 - a * d
-    lowest, w = _peak(square, limit), (a * time - v0 - v1) / 2
+    lowest, w = peak_velocity(square, limit), (a * time - v0 - v1) / 2
     inside = (square > 0) & (np.abs(w) < lowest * (1 - 1e-12))
     return np.where(inside, (2 * lowest + v0 + v1) / a, 0.0)
 
 
-def _peak(square: Floats, limit: Floats) -> Floats:
-    """Positive w with w^2 - max(w - V, 0)^2 = square."""
+def peak_velocity(square: Floats, limit: Floats | float) -> Floats:
+    """Positive w with w^2 - max(w - V, 0)^2 = square; 0 where the square is negative."""
     w = np.sqrt(np.maximum(square, 0.0))
     with np.errstate(invalid="ignore"):
         return np.where(w > limit, (square + limit**2) / (2 * limit), w)

@@ -1,0 +1,133 @@
+"""How soon can one joint be at the next waypoint, if all that is known of its velocities at both are two intervals?
+
+Let a and b be the upper ends of the intervals, T the time and d >= 0 the distance (the mirrored case is the same). The
+velocity never exceeds any of these curves over the segment, so the displacement never exceeds their integrals:
+
+- min(a + A t, b + A (T - t), V), from the acceleration and velocity limits: `reach`;
+- a + (b - a) t / T + J t (T - t) / 2, from the jerk limit: the difference of the velocity and this parabola is convex, as
+  its second derivative is at least -J + J = 0, and not positive at both ends: `bend_reach`, (a + b) T / 2 + J T^3 / 12.
+
+From d > 0 on either integral grows with T, so d is reached no sooner than at its last crossing with d. Mirrored, with the
+lower ends of the intervals, the displacement is never less than the negative of such an integral; a T at which that
+exceeds d is impossible, and so is every later T up to where it no longer does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baselines.closed_forms import peak_velocity
+from study.problem import Floats
+
+SAFETY = 1e-9
+"""Relative deduction for rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Intervals of velocity at one waypoint; arrays of shape (n_cells,)."""
+
+    low: Floats
+    high: Floats
+
+    @property
+    def mirrored(self) -> Cells:
+        """The same cells for a joint that counts in the other direction."""
+        return Cells(-self.high, -self.low)
+
+    def picked(self, mask: NDArray[np.bool_]) -> Cells:
+        """Keep some of the cells."""
+        return Cells(self.low[mask], self.high[mask])
+
+    def halved(self) -> Cells:
+        """Cut every cell that is not a point in two."""
+        wide = self.high > self.low
+        middle = (self.low + self.high) / 2
+        low = np.concatenate([self.low, middle[wide]])
+        return Cells(low, np.concatenate([np.where(wide, middle, self.high), self.high[wide]]))
+
+
+def reach(time: Floats, a: Floats, b: Floats, velocity: float, acceleration: float) -> Floats:
+    """Integral of min(a + A t, b + A (T - t), V) over [0, T], for a, b <= V: the module's upper bound on displacements."""
+    w = (a + b + acceleration * time) / 2
+    over = np.maximum(w - velocity, 0.0)
+    with np.errstate(invalid="ignore"):
+        both = (w**2 - over**2 - (a**2 + b**2) / 2) / acceleration
+    low = np.minimum(a, b)
+    return np.where(acceleration * time >= np.abs(a - b), both, low * time + acceleration * time**2 / 2)
+
+
+def last_crossing(distance: float, a: Floats, b: Floats, velocity: float, acceleration: float) -> Floats:
+    """Largest T with reach(T; a, b) = distance, s; 0 where reach exceeds the distance at all times."""
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    single = low**2 + 2 * acceleration * distance
+    early = (np.sqrt(np.maximum(single, 0.0)) - low) / acceleration
+    square = acceleration * distance + (a**2 + b**2) / 2
+    w = peak_velocity(square, velocity)
+    late = (2 * w - a - b) / acceleration
+    return np.maximum(np.where(w >= high, late, np.where(single >= 0, early, 0.0)), 0.0)
+
+
+def bend_reach(time: Floats, a: Floats, b: Floats, jerk: float) -> Floats:
+    """Integral of the parabola from a to b that bends with J, over [0, T]."""
+    return (a + b) / 2 * time + jerk / 12 * time**3
+
+
+def last_bend_crossing(distance: float, a: Floats, b: Floats, jerk: float) -> Floats:
+    """Largest T with bend_reach(T; a, b) = distance, s; 0 where there is none.
+
+    Cardano's formula for T^3 + p T + q = 0, and Newton's steps against its cancellation; at a largest root the cubic
+    rises, so the steps are safe.
+    """
+    p, q = 6 * (a + b) / jerk, -12 * distance / jerk
+    discriminant = (q / 2) ** 2 + (p / 3) ** 3
+    root = np.sqrt(np.maximum(discriminant, 0.0))
+    single = np.cbrt(-q / 2 + root) + np.cbrt(-q / 2 - root)
+    size = np.sqrt(np.maximum(-p / 3, 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cosine = np.clip(np.nan_to_num(-q / 2 / size**3), -1.0, 1.0)
+        time = np.maximum(np.where(discriminant < 0, 2 * size * np.cos(np.arccos(cosine) / 3), single), 0.0)
+        for _ in range(3):
+            slope = 3 * time**2 + p
+            time = np.where(slope > 0, np.maximum(time - (time**3 + p * time + q) / slope, 0.0), time)
+    return time
+
+
+def shortest_times(distance: float, start: Cells, end: Cells, rates: Floats, at_least: float) -> Floats:
+    """Lower bounds on the time between two waypoints for all pairs of cells, shape (n_start, n_end), s.
+
+    Parameters
+    ----------
+    distance : float
+        Signed.
+    start, end : Cells
+    rates : array of shape (3,)
+        The joint's limits; velocity and acceleration finite.
+    at_least : float, s
+        A bound that is known already.
+    """
+    if distance < 0:
+        start, end = start.mirrored, end.mirrored
+    d, (velocity, acceleration, jerk) = abs(distance), map(float, rates)
+    a, b = start.high[:, None], end.high[None]
+    apart = np.maximum(np.maximum(end.low[None] - a, start.low[:, None] - b), 0.0) / acceleration
+    time = np.maximum(apart, at_least)
+    if d > 0:
+        time = np.maximum(time, last_crossing(d, a, b, velocity, acceleration))
+        if np.isfinite(jerk):
+            time = np.maximum(time, last_bend_crossing(d, a, b, jerk) * (1 - SAFETY))
+    a, b = -start.low[:, None], -end.low[None]
+    if np.isfinite(jerk):
+        late = last_bend_crossing(-d, a, b, jerk) * (1 - SAFETY)
+        time = _past_gap(time, bend_reach(time, a, b, jerk), late, d, np.abs(a) + np.abs(b))
+    late = last_crossing(-d, a, b, velocity, acceleration)
+    return _past_gap(time, reach(time, a, b, velocity, acceleration), late, d, np.abs(a) + np.abs(b))
+
+
+def _past_gap(time: Floats, farthest_back: Floats, late: Floats, d: float, speed: Floats) -> Floats:
+    """Where even the least displacement overshoots, by more than rounding, wait until it no longer does."""
+    overshoots = farthest_back < -d - SAFETY * (d + speed * time)
+    return np.where(overshoots, np.maximum(time, late), time)
