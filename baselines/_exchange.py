@@ -75,7 +75,7 @@ class Exchange:
     def __init__(self, family: Family, problem: Problem, scales: Scales, deadline: float, time_limit: float) -> None:
         self.family, self.problem, self.scales, self.deadline = family, problem, scales, deadline
         self.model = model_of(family, time_limit)
-        self.slots = {order: Slots(shape) for order, shape in family.slot_shapes.items()}
+        self.slots = {order: Slots(shape, pooled=family.pooled) for order, shape in family.slot_shapes.items()}
 
     def offer(self, x: Floats, threshold: float = WATCHED, bent: bool = True) -> float:
         """Put the peaks that come near their limits into the slots; return the stretch that the highest needs."""
@@ -87,8 +87,12 @@ class Exchange:
         return needed
 
     def run(self, durations: Floats) -> Optimum:
-        """Run the exchange from given durations until no limit breaks and the total stands still."""
-        x, multipliers = self.family.lift(self.problem, durations, self.scales), dict[str, Floats]()
+        """Run the exchange from given durations."""
+        return self.run_from(self.family.lift(self.problem, durations, self.scales))
+
+    def run_from(self, x: Floats) -> Optimum:
+        """Run the exchange from given variables until no limit breaks and the total stands still."""
+        multipliers: dict[str, Floats] = {}
         self.offer(x, threshold=FIRST, bent=False)
         best = Optimum(x, np.inf, np.inf, "the solver did not run", 0, 0, 0)
         for _ in range(MAX_ROUNDS):
@@ -126,5 +130,6 @@ class Exchange:
         lbx, ubx = self.family.variable_bounds(self.problem, self.scales)
         lbg, ubg = self.family.row_bounds(self.problem, self.slots, self.scales)
         p = self.family.parameters(self.problem, self.slots, self.scales)
+        p = np.concatenate([p, x]) if self.model.rows.proximal else p
         answer = solver(x0=x, p=p, lbx=lbx, ubx=ubx, lbg=lbg, ubg=ubg, **multipliers)
         return answer, solver.stats()

@@ -80,14 +80,19 @@ class Slots:
     Parameters
     ----------
     shape : tuple of (n_pieces, n_columns, n_slots)
-        One column for every joint, or one for all joints together.
+    pooled : bool
+        Whether one column serves the points of all joints, each with the sign of its peak; else there is a column for
+        every joint, whose rows hold a limit on both sides.
     """
 
-    def __init__(self, shape: tuple[int, int, int]) -> None:
+    def __init__(self, shape: tuple[int, int, int], *, pooled: bool = False) -> None:
+        self.pooled = pooled
         self.points = np.full(shape, np.nan)
         self.bends = np.zeros(shape)
         self.signs = np.ones(shape)
         self.joints = np.zeros(shape, dtype=int)
+        self._met = np.zeros(shape)
+        self._rounds = 0
 
     @property
     def used(self) -> Mask:
@@ -98,11 +103,17 @@ class Slots:
         """Points, with the middle of the piece in slots that are free."""
         return np.where(self.used, self.points, 0.5)
 
+    def preset(self, points: tuple[float, ...]) -> None:
+        """Put plain points into the first slots of every row, for good."""
+        self.points[:, :, : len(points)] = points
+        self._met[:, :, : len(points)] = np.inf
+
     def refresh(self, critical: Critical, threshold: float, bent: bool) -> None:
         """Take in every point whose ratio exceeds a threshold, highest first, in the place of the point it has moved from.
 
         Points that are not met again lose their bend and stay as plain cuts.
         """
+        self._rounds += 1
         reach = np.where(self.bends != 0, NEAR, INTERIOR)
         self.bends = np.zeros_like(self.bends)
         height = np.abs(critical.ratios)
@@ -110,7 +121,7 @@ class Slots:
         ranked = chosen[np.argsort(-height[tuple(chosen.T)], kind="stable")]
         fresh: set[tuple[int, int, int]] = set()
         for piece, joint, k in ranked.tolist():
-            column = joint if self.points.shape[1] > 1 else 0
+            column = 0 if self.pooled else joint
             point, sign = critical.points[piece, joint, k], np.sign(critical.ratios[piece, joint, k])
             slot = self._place((piece, column), point, joint, sign, reach)
             if (piece, column, slot) in fresh:
@@ -119,13 +130,16 @@ class Slots:
             where = piece, column, slot
             self.points[where], self.joints[where], self.signs[where] = point, joint, sign
             self.bends[where] = critical.bends[piece, joint, k] if bent else 0.0
+            self._met[where] = max(self._met[where], self._rounds)
 
     def _place(self, row: tuple[int, int], point: float, joint: int, sign: float, reach: Floats) -> int:
-        """Slot of the same peak before; else a free one; else that of the nearest point."""
+        """Slot of the same peak before; else a free one; else that of the point met longest ago."""
         points = self.points[row]
         gap = np.where(np.isnan(points), np.inf, np.abs(points - point))
-        same = (self.joints[row] == joint) & (self.signs[row] == sign) & (gap <= reach[row])
+        same = gap <= reach[row]
+        if self.pooled:
+            same &= (self.joints[row] == joint) & (self.signs[row] == sign)
         if same.any():
             return int(np.where(same, gap, np.inf).argmin())
         free = np.flatnonzero(np.isnan(points))
-        return int(free[0]) if len(free) else int(gap.argmin())
+        return int(free[0]) if len(free) else int(self._met[row].argmin())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -112,6 +112,7 @@ class Poly353:
 
     n_joints: int
     orders: tuple[int, ...]
+    pooled: ClassVar[bool] = False
 
     @property
     def key(self) -> tuple[Any, ...]:
@@ -197,6 +198,7 @@ class CubicSpline:
     n_joints: int
     orders: tuple[int, ...]
     smooth: bool = False
+    pooled: ClassVar[bool] = False
 
     @property
     def key(self) -> tuple[Any, ...]:

@@ -16,7 +16,7 @@ What the curve gives away (all over one piece, u in [0, 1], a prime for d/du):
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.optimize import linprog
@@ -61,6 +61,7 @@ class BSpline:
     n_waypoints: int
     n_joints: int
     orders: tuple[int, ...]
+    pooled: ClassVar[bool] = True
 
     @property
     def key(self) -> tuple[Any, ...]:

@@ -48,7 +48,7 @@ class Rows:
     """Symbolic side of a model: variables, parameters, the sum of durations and the rows.
 
     The first `equal` rows are equations, the next `limited` ones limits without a point, the rest belong to the slots,
-    order by order.
+    order by order. Where the model is proximal its last parameters are the variables that the solve starts from.
     """
 
     x: Any
@@ -56,6 +56,7 @@ class Rows:
     total: Any
     g: Any
     equal: int
+    proximal: bool = False
 
 
 class Family(Protocol):
@@ -64,6 +65,10 @@ class Family(Protocol):
     @property
     def key(self) -> tuple[Any, ...]:
         """What the model depends on."""
+
+    @property
+    def pooled(self) -> bool:
+        """Whether a slot serves the peaks of any joint."""
 
     @property
     def slot_shapes(self) -> dict[int, tuple[int, int, int]]:

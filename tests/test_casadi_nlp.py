@@ -84,7 +84,7 @@ def test_no_local_search_on_the_stretched_total_improves_it(curve: str, seed: in
     problem = random_problem(seed, 4, 2)
     scaled, answer = Scaled(problem, CURVES[curve]), optimise(problem, curve)
     rng = np.random.default_rng(seed)
-    options = {"xatol": 1e-9, "fatol": 1e-11, "maxiter": 400, "maxfev": 400}
+    options = {"xatol": 1e-9, "fatol": 1e-11, "maxiter": 150, "maxfev": 150}
     ends = [
         minimize(
             lambda y: scaled(np.exp(y)[None])[0],
