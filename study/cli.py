@@ -12,7 +12,7 @@ import typer
 
 from study import terminal
 from study.commands import checking, own
-from study.commands.runs import DEFAULT_OUT, STORE_NAME, Interrupted, Out, make_console, run_missing, show
+from study.commands.runs import DEFAULT_OUT, STORE_NAME, Interrupted, Out, file_stem, make_console, run_missing, show
 from study.errors import StudyError
 from study.experiment.cases import Case, case_names, load_case
 from study.experiment.lineup import (
@@ -145,7 +145,7 @@ def report(out: Out = DEFAULT_OUT) -> None:
 @app.command()
 def view(case: Annotated[str, typer.Argument(metavar="CASE")], out: Out = DEFAULT_OUT) -> None:
     """Open the recording of a case in the rerun viewer."""
-    path = out / "recordings" / f"{case}.rrd"
+    path = out / "recordings" / f"{file_stem(case)}.rrd"
     if not path.exists():
         load_case(case)
         raise StudyError(

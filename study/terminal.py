@@ -25,7 +25,7 @@ def progress(console: Console) -> Progress:
     """Build the live display of a run."""
     return Progress(
         SpinnerColumn(),
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
@@ -127,14 +127,15 @@ def case_tables(case: Case) -> list[Table]:
     facts.add_column(style="bold")
     facts.add_column(overflow="fold")
     lower, upper = case.problem.duration_bounds
-    facts.add_row("paper", case.paper)
+    own = case.paper == "own"
+    if not own:
+        facts.add_row("paper", case.paper)
     facts.add_row("curve", f"{case.curve}; the motion {case.problem.end.value}")
     facts.add_row("segment durations", f"{lower:g} to {upper:g} s")
-    facts.add_row(
-        "paper's planner",
-        f"{case.planner}, {case.settings.formulation}, {case.settings.synchronisation}, population {case.settings.population}, "
-        f"{case.settings.evaluations:,} evaluations",
-    )
+    settings = case.settings
+    ways = f"{settings.formulation}, {settings.synchronisation}, population {settings.population}"
+    planner = "searches" if own else "paper's planner"
+    facts.add_row(planner, f"{'' if own else case.planner + ', '}{ways}, {settings.evaluations:,} evaluations")
     for name, source in case.sources.items():
         facts.add_row(f"source of {name}", source)
     for note in case.notes:
@@ -175,4 +176,8 @@ def _limits_table(case: Case) -> Table:
             for value, of in zip(limits, case.units, strict=True)
         ]
         table.add_row(name, *values)
+    for name, ends in (("lowest position", case.problem.limits.lower), ("highest position", case.problem.limits.upper)):
+        if np.isfinite(ends).any():
+            values = [f"{v:g} {of}" if np.isfinite(v) else "none" for v, of in zip(ends, case.units, strict=True)]
+            table.add_row(name, *values)
     return table

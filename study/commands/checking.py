@@ -71,13 +71,13 @@ def report_verdict(case: Case, motion: Motion, method: str, console: Console) ->
     """Print what the judge finds of a motion; whether it is feasible and hits no obstacle."""
     verdict = judge(case.problem, motion)
     if method:
-        console.print(f"read as {method}", soft_wrap=True, markup=False)
+        console.print(f"read as {method}", soft_wrap=True)
     times = ", ".join(f"{t:.4f}" for t in motion.waypoint_times)
     console.print(f"waypoints passed at {times} s", soft_wrap=True)
     console.print(terminal.verdict_table(case.problem, verdict))
     console.print(f"duration {verdict.duration:.6f} s, largest share of a limit {verdict.worst_ratio:.6f}")
     for reason in verdict.reasons:
-        console.print(f"infeasible: {reason}", soft_wrap=True, markup=False)
+        console.print(f"infeasible: {reason}", soft_wrap=True)
     found = nearest(case, motion)
     if found is not None:
         console.print(f"{'infeasible: ' if found.distance < 0 else ''}{found.sentence}", soft_wrap=True)

@@ -10,13 +10,12 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.text import Text
 
 from study.api import COMPARED, Planned
 from study.api import plan as plan_motion
 from study.commands.checking import report_verdict
 from study.commands.example import EXAMPLE
-from study.commands.runs import DEFAULT_OUT, INFEASIBLE, STORE_NAME, Out, make_console, run_missing, show
+from study.commands.runs import DEFAULT_OUT, INFEASIBLE, STORE_NAME, Out, file_stem, make_console, run_missing, show
 from study.datafiles import make_file
 from study.errors import StudyError
 from study.experiment.cases import Case, load_case, own_case
@@ -79,9 +78,9 @@ def plan(
         )
     planned = plan_motion(case.problem, spec.planner if spec else "auto", settings)
     for name, why, result in planned.tried:
-        console.print(Text(f"planner {name}: {why}"), soft_wrap=True)
+        console.print(f"planner {name}: {why}", soft_wrap=True)
         if result is not planned.result or not planned.feasible:
-            console.print(Text(f"  no feasible motion: {_why_not(result)}"), soft_wrap=True)
+            console.print(f"  no feasible motion: {_why_not(result)}", soft_wrap=True)
     if planned.result.motion is None or not report_verdict(case, planned.motion, "", console):
         raise typer.Exit(_no_motion(case))
     _save(case, planned, save, out, rate, console)
@@ -106,12 +105,6 @@ def _save(case: Case, planned: Planned, save: Sequence[Path] | None, out: Path, 
 def trajectory_file(out: Path, case: Case, form: str) -> Path:
     """Where the trajectory of a case stands; what cannot be in a file's name is left out of it."""
     return out / "trajectories" / f"{file_stem(case.name)}{form}"
-
-
-def file_stem(name: str) -> str:
-    """A case's name as a file's name."""
-    kept = "".join(letter if letter.isalnum() or letter in "-_. " else "_" for letter in name).strip(" .")
-    return kept or "case"
 
 
 def compare(
@@ -141,10 +134,10 @@ def compare(
     best = _best(case, results, console)
     if best is None or best.motion is None:
         raise typer.Exit(_no_motion(case))
-    console.print(Text(f"fastest feasible: {best.cell.label}"), soft_wrap=True)
+    console.print(f"fastest feasible: {best.cell.label}", soft_wrap=True)
     for form in FORMS:
         path = write_motion(best.motion, case.problem, trajectory_file(out, case, form), rate)
-        console.print(f"trajectory: {path}", soft_wrap=True, markup=False)
+        console.print(f"trajectory: {path}", soft_wrap=True)
 
 
 def _compared(planners: Sequence[str] | None) -> tuple[Any, ...]:
@@ -165,7 +158,7 @@ def _best(case: Case, results: Sequence[Result], console: Console) -> Result | N
         found = nearest(case, result.motion)
         if found is None or found.distance >= 0:
             return result
-        console.print(Text(f"{result.cell.label}: {found.sentence}"), soft_wrap=True)
+        console.print(f"{result.cell.label}: {found.sentence}", soft_wrap=True)
     return None
 
 

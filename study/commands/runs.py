@@ -31,9 +31,12 @@ class Interrupted(Exception):
 
 
 def make_console() -> Console:
-    """Build the console: as wide as the terminal, or wide enough for all tables where there is none."""
-    console = Console()
-    return console if console.is_terminal else Console(width=160)
+    """Build the console: as wide as the terminal, or wide enough for all tables where there is none.
+
+    Names of joints and cases are people's own, so square brackets and colons in them mean nothing special.
+    """
+    console = Console(markup=False, emoji=False)
+    return console if console.is_terminal else Console(width=160, markup=False, emoji=False)
 
 
 def run_missing(
@@ -98,4 +101,10 @@ def recording_file(out: Path, name: str) -> Path:
     """Where the recording of a case stands; its folder is made."""
     folder = out / "recordings"
     folder.mkdir(parents=True, exist_ok=True)
-    return folder / f"{name}.rrd"
+    return folder / f"{file_stem(name)}.rrd"
+
+
+def file_stem(name: str) -> str:
+    """A case's name as a file's name."""
+    kept = "".join(letter if letter.isalnum() or letter in "-_. " else "_" for letter in name).strip(" .")
+    return kept or "case"
