@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,9 +13,10 @@ from study.planning import Meter
 from study.problem import Floats
 from study.reproduction.jobs import Record
 from study.search.loop import Box, Search, minimise
-from study.testfunctions import Benchmark, benchmarks_of
+from study.testfunctions import Benchmark, benchmarks_of, formulas
 
 POINTS = 80
+WITHOUT_FLOOR = "without floor"
 SETTLED = 1e-3
 """A run has converged at the first generation within this share of the way from its first to its last value."""
 
@@ -30,7 +31,7 @@ class BenchmarkCell:
     function : str
         Label such as `F5`.
     form : str
-        Reading of the function: `standard` or `as-printed`.
+        Reading of the function: `standard`, `as-printed`, or `without floor` for the step function.
     search : Search
     population, generations, seeds : int
     start : float, optional
@@ -53,7 +54,12 @@ class BenchmarkCell:
     @property
     def benchmark(self) -> Benchmark:
         """The function itself."""
-        return next(f for f in benchmarks_of(self.paper, self.form) if f.label == self.function)
+        if self.form != WITHOUT_FLOOR:
+            return next(f for f in benchmarks_of(self.paper, self.form) if f.label == self.function)
+        function = next(f for f in benchmarks_of(self.paper) if f.label == self.function)
+        bare = formulas.step_without_floor
+        minimiser = np.full(function.n_dimensions, -0.5)
+        return replace(function, name="step-without-floor", formula=bare, minimiser=minimiser)
 
     def run(self) -> Record:
         """Final values, generations until convergence and seconds of every seed, and the median curve."""

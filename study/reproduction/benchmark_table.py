@@ -73,17 +73,23 @@ class BenchmarkTable:
         """All that is run for a function and a column: name and job, the stated reading first."""
         for reading in self.readings(column):
             yield reading.name, self.cell(function, column, reading)
+        for form in self._other_forms(function):
+            yield (
+                f"{self.readings(column)[0].name}, function {form}",
+                self.cell(function, column, self.readings(column)[0], form),
+            )
+
+    def _other_forms(self, function: str) -> list[str]:
+        """Readings of a function beside the stated one that differ from it and have a least value."""
+        if not self.effort.all_readings:
+            return []
         stated = FORMS.get((self.paper, function), "standard")
         meant, printed = (
             next(f for f in benchmarks_of(self.paper, form) if f.label == function)
             for form in ("standard", "as-printed")
         )
-        if self.effort.all_readings and meant is not printed and printed.minimum is not None:
-            other = "standard" if stated == "as-printed" else "as-printed"
-            yield (
-                f"{self.readings(column)[0].name}, function {other}",
-                self.cell(function, column, self.readings(column)[0], other),
-            )
+        forms = ["standard"] + (["as-printed"] if meant is not printed and printed.minimum is not None else [])
+        return [form for form in forms if form != stated]
 
     @property
     def functions(self) -> list[str]:
@@ -121,7 +127,8 @@ class BenchmarkTable:
                 broken = findings.get(role)
                 compared = self._compared(cell, role, job, record)
                 side = {other: rules.number(statistic(runs[j]["finals"], role)) for other, j in others}
-                ruling = strongest(broken and rules.impossible(broken.inequality), replace(compared, others=side))
+                denied = None if broken is None else rules.impossible(broken.inequality)
+                ruling = strongest(denied, replace(compared, others=side))
             rulings[Place("Table 3", cell.row, column)] = replace(ruling, reading=name)
         return rulings
 
@@ -147,4 +154,4 @@ def statistic(finals: list[float], role: str) -> float:
     with np.errstate(over="ignore", under="ignore"):
         if role == "std":
             return float(values.std(ddof=1)) if len(values) > 1 else 0.0
-        return float({"mean": values.mean, "best": values.min, "worst": values.max}[role]())
+        return float(values.mean() if role == "mean" else values.min() if role == "best" else values.max())

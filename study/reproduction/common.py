@@ -99,27 +99,27 @@ def conversion(printed: str, value: float, what: str) -> Ruling:
     return rules.exact(printed, value, _CONTRADICTS, f"{what} is {value:.5g}")
 
 
-STARTS = 200
+STARTS = 1000
 """Random starts of every map behind a chi-square figure."""
 
 NUMBERS = 1000
 """Numbers drawn from each start, as in the PUMA560 and the sparrow paper."""
 
 
-def chaos_numbers(name: str, seed: int) -> Floats:
-    """A sequence of a map, or of the uniform generator under the name `uniform`."""
-    rng = np.random.default_rng([seed, 11])
+@cache
+def chaos_numbers(name: str) -> Floats:
+    """Sequences of a map from many starts, or of the uniform generator under the name `uniform`, (NUMBERS, STARTS)."""
+    rng = np.random.default_rng(11)
     if name == "uniform":
-        return rng.random(NUMBERS)
-    with np.errstate(over="ignore", invalid="ignore"):  # an orbit that has left [0, 1] diverges
-        return MAPS[name].sequences(rng.random(1), NUMBERS, rng)[:, 0]
+        return rng.random((NUMBERS, STARTS))
+    with np.errstate(over="ignore", invalid="ignore"):  # an orbit that has left [0, 1], as Singer's may, diverges
+        return MAPS[name].sequences(rng.random(STARTS), NUMBERS, rng)
 
 
 @cache
 def chi_squares(name: str) -> tuple[float, ...]:
-    """Chi-square figures of a map from many starts; infinite for an orbit that leaves [0, 1], as Singer's may."""
-    orbits = [chaos_numbers(name, seed) for seed in range(STARTS)]
-    return tuple(uniformity(x) if ((x >= 0) & (x <= 1)).all() else math.inf for x in orbits)
+    """Chi-square figures of a map from many starts; infinite for an orbit that leaves [0, 1]."""
+    return tuple(uniformity(x) if ((x >= 0) & (x <= 1)).all() else math.inf for x in chaos_numbers(name).T)
 
 
 def more_uniform(name: str, others: Sequence[str]) -> Ruling:

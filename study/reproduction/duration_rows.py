@@ -41,7 +41,7 @@ class Row:
         return np.array([cell.value for cell in self.segments])
 
 
-def rule(row: Row, ours: Summary | None, remark: str = "") -> list[tuple[Cell, Ruling]]:
+def rule(row: Row, ours: Summary | None, fastest: float, note: str = "") -> list[tuple[Cell, Ruling]]:
     """Rule on every cell of a row.
 
     Parameters
@@ -49,14 +49,14 @@ def rule(row: Row, ours: Summary | None, remark: str = "") -> list[tuple[Cell, R
     row : Row
     ours : Summary, optional
         Our feasible runs; None where none was feasible.
-    remark : str
-        Put behind the reason, such as what the fastest motion is.
+    fastest : float, s
+        The fastest motion on the paper's curve.
+    note : str
+        Put behind the fastest motion.
     """
-    broken = infeasible(row)
-    printed_total = (
-        row.total.value if row.total is not None and row.total.value is not None else float(row.durations.sum())
-    )
-    text = row.total.printed if row.total is not None else f"{printed_total:.4f}"
+    broken = infeasible(row, fastest)
+    text = f"{row.durations.sum():.4f}" if row.total is None else row.total.printed
+    remark = f"fastest on this curve {fastest:.4f} s{note}"
     if ours is None:
         compared = Ruling(Outcome.WORSE, "no feasible run", "none of our runs keeps the limits", False)
     else:
@@ -81,17 +81,23 @@ def added_up(row: Row) -> Ruling | None:
     """Rule that the printed total is not the sum of its segments; None if it is."""
     if row.total is None or row.total.value is None:
         return None
-    decimals = max(0, round(-np.log10(2 * half_unit(row.segments[0].printed))))
+    decimals = max(0, round(-np.log10(2 * half_unit(row.total.printed))))
     finding = wrong_sum([float(value) for value in row.durations], row.total.value, decimals)
-    return finding and rules.contradicts(finding.inequality)
+    return None if finding is None else rules.contradicts(finding.inequality)
 
 
-def infeasible(row: Row) -> Ruling | None:
-    """Rule that the printed motion breaks a limit, unless adding half a unit to every duration mends it."""
+def infeasible(row: Row, fastest: float) -> Ruling | None:
+    """Rule that the printed motion breaks a limit, unless the rounding of its durations explains it.
+
+    It does where half a unit more in every duration mends it and the printed total, with its own half unit, leaves room for
+    the fastest motion.
+    """
     verdict = judged(row.case, row.durations, row.joint)
     if verdict.feasible:
         return None
-    longer = row.durations + np.array([half_unit(cell.printed) for cell in row.segments])
-    if judged(row.case, longer, row.joint).feasible:
+    rounding = np.array([half_unit(cell.printed) for cell in row.segments])
+    total = row.total.value if row.total is not None and row.total.value else float(row.durations.sum())
+    room = total + (rounding.sum() if row.total is None else half_unit(row.total.printed))
+    if judged(row.case, row.durations + rounding, row.joint).feasible and room >= fastest:
         return None
-    return Ruling(Outcome.INFEASIBLE, why=verdict.reasons[0])
+    return Ruling(Outcome.INFEASIBLE, why=f"{verdict.reasons[0]}; fastest on this curve {fastest:.4f} s")

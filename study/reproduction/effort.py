@@ -35,4 +35,4 @@ class Effort:
 
 
 FULL = Effort("full: the papers' budgets, 30 seeds, 100 worlds", 30)
-QUICK = Effort("quick: the papers' budgets with 3 seeds, 4 worlds, the stated readings only", 3, 1.0, 4, False)
+QUICK = Effort("quick: the papers' budgets with 4 seeds, 4 worlds, the stated readings only", 4, 1.0, 4, False)

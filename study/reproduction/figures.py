@@ -12,7 +12,7 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from study.report.figures import DASHES, GRID, INK, RC, SERIES
+from study.report.drawn import DASHES, GRID, INK, RC, SERIES
 from study.report.svg import themed
 from study.reproduction.common import NUMBERS, Panel, chaos_numbers, chi_squares
 from study.search.chaos import N_BINS
@@ -79,7 +79,7 @@ def histograms(key: str, names: Sequence[str]) -> Markup:
         edges = np.linspace(0.0, 1.0, N_BINS + 1)
         for k, name in enumerate(names, start=1):
             axes = figure.add_subplot(1, len(names), k)
-            counts, _ = np.histogram(chaos_numbers(name, 0), bins=edges)
+            counts, _ = np.histogram(chaos_numbers(name)[:, 0], bins=edges)
             axes.bar(edges[:-1], counts, width=0.92 / N_BINS, align="edge", color=SERIES[0], alpha=0.85)
             axes.axhline(NUMBERS / N_BINS, color=INK, linewidth=1.2)
             axes.tick_params(length=0)

@@ -16,9 +16,11 @@ from study.experiment.cases import load_case
 from study.experiment.ledger import ledger
 from study.experiment.published import Table, papers, tables
 from study.report import figures as report_figures
+from study.report.drawn import Series
 from study.reproduction import figures
 from study.reproduction.benchmark_table import BenchmarkTable
 from study.reproduction.book import MODULES, Entry
+from study.reproduction.common import STARTS as CHAOS_STARTS
 from study.reproduction.common import Drive, Panel, line_of
 from study.reproduction.effort import Effort
 from study.reproduction.jobs import Runs
@@ -256,15 +258,14 @@ def _drawn(paper: str, runs: Runs, effort: Effort) -> Iterable[Drawn]:
     for number, drive in enumerate(module.drives(runs, effort)):
         yield _profiles(f"drive-{number}", drive)
     if module.MAPS:
-        caption = "1000 numbers of one start in ten bins; the line is the expected count. χ²: median over 200 starts; above 16.9 uniformity is rejected at 5 %."
+        caption = f"1000 numbers of one start in ten bins; the line is the expected count. χ²: median over {CHAOS_STARTS} starts; above 16.9 uniformity is rejected at 5 %."
         yield Drawn("Uniformity of the chaotic maps", (), [figures.histograms("maps", module.MAPS)], caption)
 
 
 def _profiles(key: str, drive: Drive) -> Drawn:
     case = load_case(drive.case)
     series = [
-        report_figures.Series(label, style, motion_of(case, durations))
-        for style, (label, durations) in enumerate(drive.motions)
+        Series(label, style, motion_of(case, durations)) for style, (label, durations) in enumerate(drive.motions)
     ]
     pictures = [
         report_figures.profile(f"{key}-{joint}", case.problem, joint, case.units[joint], series)

@@ -20,7 +20,7 @@ from study.errors import StudyError
 from study.problem import Floats
 from study.robots.chain import SINGULAR, Robot, screw_x, screw_z, wrapped
 
-BRANCHES = tuple(itertools.product((1, -1), repeat=3))
+BRANCHES: tuple[tuple[int, int, int], ...] = tuple((a, b, c) for a, b, c in itertools.product((1, -1), repeat=3))
 """The signs (k1, k2, k3) in the order in which the solvers give their branches."""
 
 Branches = Sequence[tuple[int, int, int]]

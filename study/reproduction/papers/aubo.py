@@ -12,14 +12,14 @@ from study.experiment.published import Cell, Table, claims, parsed, tables
 from study.planners.aubo import DYNAMIC_ADAPTIVE_PSO, DYNAMIC_ADAPTIVE_PSO_AS_PRINTED
 from study.reproduction import rules
 from study.reproduction.common import (
-    line_of,
-    Panel,
     Drive,
+    Panel,
     Rulings,
     Statement,
     claim_cell,
     conversion,
     inputs,
+    line_of,
     percentage,
     row_of,
     settings,
@@ -143,8 +143,8 @@ def _durations(runs: Runs, effort: Effort) -> Rulings:
     for k, (condition, (degrees, radians)) in enumerate(CASES.items(), start=1):
         row = Row(row_of(table, condition, STAGES), table[condition, "total time"], load_case(degrees))
         fastest = [runs[OptimumCell(case)]["total"] for case in (degrees, radians)]
-        remark = f"fastest on this curve {fastest[0]:.4f} s (radian columns {fastest[1]:.4f} s)"
-        ruled = rule(row, summary(degrees, "adaptive", runs, effort), remark)
+        note = f" (radian columns {fastest[1]:.4f} s)"
+        ruled = rule(row, summary(degrees, "adaptive", runs, effort), fastest[0], note)
         others = _other_totals(degrees, radians, runs, effort)
         for cell, ruling in ruled:
             shown = others if cell.column == "total time" else {}

@@ -12,12 +12,12 @@ from study.problem import Floats
 from study.reproduction import rules
 from study.reproduction.benchmark_table import BenchmarkTable
 from study.reproduction.common import (
-    line_of,
-    Panel,
     Drive,
+    Panel,
     Rulings,
     Statement,
     inputs,
+    line_of,
     optima,
     percentage,
     row_of,
@@ -139,11 +139,11 @@ def _durations(runs: Runs, effort: Effort) -> Rulings:
     table, known, case = tables(PAPER)["Table 6"], claims(PAPER), load_case(CASE)
     fastest = runs[OptimumCell(CASE)]["total"]
     rest = runs[OptimumCell("ur5-bspline-rest")]["total"]
-    remark = f"fastest on this curve {fastest:.4f} s, which starts in motion (from rest, cubic spline: {rest:.4f} s)"
+    note = f", which starts in motion (from rest, cubic spline: {rest:.4f} s)"
     found: Rulings = {}
     for algorithm in SEARCHES:
         row = Row(row_of(table, algorithm, SEGMENTS), table[algorithm, "total"], case)
-        for cell, ruling in rule(row, summary(runs, effort, algorithm), remark):
+        for cell, ruling in rule(row, summary(runs, effort, algorithm), fastest, note):
             found[Place("Table 6", algorithm, cell.column)] = ruling
     total = table.value("SMWOA", "total")
     found[claim("total")] = found[Place("Table 6", "SMWOA", "total")]

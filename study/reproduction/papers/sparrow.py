@@ -12,13 +12,13 @@ from study.experiment.published import claims, tables
 from study.planners import sparrow as planners
 from study.reproduction import rules
 from study.reproduction.common import (
-    line_of,
-    Panel,
     Drive,
+    Panel,
     Rulings,
     Statement,
     claim_cell,
     inputs,
+    line_of,
     more_uniform,
     percentage,
     row_of,
@@ -144,9 +144,7 @@ def _durations(runs: Runs, effort: Effort) -> Rulings:
     row = Row(row_of(table, "time", SEGMENTS), None, case)
     fastest = runs[OptimumCell(CASE)]["total"]
     ours = summary("TADF-SSA", runs, effort)
-    found: Rulings = {
-        Place("Table 6", "time", c.column): r for c, r in rule(row, ours, f"fastest on this curve {fastest:.4f} s")
-    }
+    found: Rulings = {Place("Table 6", "time", c.column): r for c, r in rule(row, ours, fastest)}
     total = float(row.durations.sum())
     why = (
         f"called the mean of five runs, it is the sum of the one run in Table 6 ({total:.4f} s), and below the best of ten "

@@ -12,13 +12,13 @@ from study.planners import woodworking as planners
 from study.reproduction import rules
 from study.reproduction.benchmark_table import BenchmarkTable
 from study.reproduction.common import (
-    line_of,
-    Panel,
     Drive,
+    Panel,
     Rulings,
     Statement,
     claim_cell,
     inputs,
+    line_of,
     more_uniform,
     optima,
     percentage,
@@ -99,7 +99,7 @@ def _joints(runs: Runs, effort: Effort) -> Rulings:
         row = Row(row_of(table, name, SEGMENTS), table[name, "T_total"], case, joint)
         fastest = runs[OptimumCell(CASE, joint)]["total"]
         ours = summary(algorithm, runs, effort, joint)
-        for cell, ruling in rule(row, ours, f"fastest on this curve {fastest:.4f} s"):
+        for cell, ruling in rule(row, ours, fastest):
             found[Place("Table 5", cell.row, cell.column)] = ruling
     return found
 
@@ -119,7 +119,7 @@ def _totals(runs: Runs, effort: Effort) -> Rulings:
     fastest = runs[OptimumCell(CASE)]["total"]
     for algorithm in SEARCHES:
         ours = summary(algorithm, runs, effort)
-        *segments, (cell, total) = rule(_longest(algorithm), ours, f"fastest on this curve {fastest:.4f} s")
+        *segments, (cell, total) = rule(_longest(algorithm), ours, fastest)
         found[claim(cell.row)] = total
         if algorithm == "GoldS-PSO":
             found |= {claim(name): ruling for name, (_, ruling) in zip(SEGMENTS, segments, strict=True)}
