@@ -8,7 +8,7 @@ What the curve gives away (all over one piece, u in [0, 1], a prime for d/du):
 * Velocity: |q'| <= V t' is linear in e, and of all joints only the largest |q'|/V counts at a point.
 * Acceleration: |q'' t' - q' t''| <= A t'^3. With x = t', y = t'' and q' > 0 one side reads y >= (q'' x - A x^3)/q', whose
   right side is concave for x > 0: the *complement* of the feasible set is convex, so the problem is in general not convex.
-  It has several local optima; hence the multi-start.
+  Nothing proves a local optimum global; hence the multi-start (in trials all starts agreed).
 * Without acceleration and jerk limits what remains is a linear programme. At any finite set of points it is a relaxation
   (fewer rows, fewer limits), so its value is a proven lower bound, and it is the optimum where only velocity binds.
 """
