@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from baselines._cell_times import Cells, bend_reach, last_bend_crossing, reach, shortest_times
+from baselines.any_motion import AnyMotionBound
 from baselines.closed_forms import shortest_time, two_limit_time
 from baselines.free_path_nlp import free_path
 from baselines.lower_bounds import all_chains, bound, first_cells, lower_bound
@@ -13,6 +14,7 @@ from baselines.ruckig_via import ruckig_via
 from baselines.toppra_retiming import retime
 from study import EndCondition, JointLimits, Problem, judge
 from study.curves import CURVES
+from study.planning import RunSettings, Status
 from tests.reference_problems import EACH_LIMIT, INF, small, woodworking
 
 
@@ -167,3 +169,12 @@ def test_it_is_not_slower_than_a_motion_that_reverses_or_dwells():
     problem = Problem("dwell", [[0.0], [1.0], [1.0], [0.2]], JointLimits([1.0], [1.0]), allow_dwell=True)
     assert lower_bound(problem) <= ruckig_stops(problem).duration
     assert lower_bound(problem) <= free_path(problem).motion.duration
+
+
+def test_the_planner_shows_no_motion_but_a_bound():
+    plan = AnyMotionBound(n_cells=32, refinements=1).plan(woodworking(), RunSettings("poly353"))
+    assert plan.status is Status.FINISHED
+    assert plan.motion is None
+    assert 0.98 * plan.details["known"] < plan.details["lower_bound"] < plan.details["known"] < 3.37
+    still = Problem("still", [[1.0], [1.0]], JointLimits([1.0]), allow_dwell=True)
+    assert AnyMotionBound().plan(still, RunSettings("poly353")).status is Status.NOT_APPLICABLE
