@@ -58,7 +58,7 @@ def trajectory_jobs(
     searches: Mapping[str, Search[Any]],
     cases: Iterable[Case],
     effort: Effort,
-    formulations: Sequence[str] = ("penalty", "scaled"),
+    formulations: Sequence[str],
 ) -> list[Job]:
     """List every search on every view of every case's durations, from every seed."""
     n, population = effort.trial_evaluations, effort.population

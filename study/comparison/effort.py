@@ -36,13 +36,17 @@ class Effort:
         Cases of the audit; None takes all.
     printed : bool
         Whether the as-printed readings are audited too.
+    solvers : tuple of str
+        Compared on wall time and duration only: solvers, and L-BFGS-B with restarts.
+    formulations : tuple of str
+        Of the trajectory audit.
     """
 
     seeds: int = 5
     evaluations: int | None = QUICK_EVALUATIONS
     time_limit: float = TIME_LIMIT
     trial_seeds: int = 10
-    trial_evaluations: int = 1500
+    trial_evaluations: int = 1000
     function_seeds: int = 5
     dimensions: int = 10
     generations: int = 200
@@ -51,6 +55,8 @@ class Effort:
     dosed: tuple[str, ...] = ("sphere",)
     audit_cases: Collection[str] | None = QUICK_CASES
     printed: bool = False
+    solvers: tuple[str, ...] = ("casadi-nlp", "direct", "lbfgsb", "ruckig-stops", "toppra")
+    formulations: tuple[str, ...] = ("penalty",)
 
     @property
     def budget(self) -> Budget:
@@ -76,4 +82,6 @@ FULL = Effort(
     dosed=("sphere", "rastrigin", "ackley"),
     audit_cases=None,
     printed=True,
+    solvers=("casadi-nlp", "direct", "lbfgsb", "ruckig-stops", "ruckig-via", "toppra"),
+    formulations=("penalty", "scaled"),
 )

@@ -1,0 +1,65 @@
+"""What `study compare` does: run what is missing, write the pages, say where they are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from rich.console import Console
+
+from study.comparison import sentences
+from study.comparison.build import compare
+from study.comparison.effort import FULL, QUICK
+from study.experiment.cases import Case
+from study.experiment.environment import environment
+from study.terminal import progress
+
+
+def compare_command(
+    cases: Mapping[str, Case], store: Path, out: Path, full: bool, seeds: int | None, jobs: int | None, console: Console
+) -> Path:
+    """Build the comparison of some cases from a store.
+
+    Parameters
+    ----------
+    cases : mapping of str to Case
+    store : Path
+        The results file.
+    out : Path
+        Folder of the pages.
+    full : bool
+        The papers' budgets and 30 repetitions.
+    seeds : int, optional
+        Repetitions of everything, in the place of the usual ones.
+    jobs : int, optional
+        Worker processes; all processors by default.
+    console : rich.console.Console
+
+    Raises
+    ------
+    StudyError
+        If the store cannot be used, a library is missing, or the pages cannot be written.
+    """
+    effort = FULL if full else QUICK
+    if seeds is not None:
+        effort = replace(effort, seeds=seeds, trial_seeds=seeds, function_seeds=seeds)
+    with progress(console) as bar:
+        tasks: dict[str, object] = {}
+
+        def told(part: str, done: int, total: int) -> None:
+            task = tasks.setdefault(part, bar.add_task(part, total=total) if part not in tasks else None)
+            bar.update(task, completed=done, total=total)  # type: ignore[arg-type]
+
+        found = compare(cases, effort, store, jobs, told)
+    with console.status("writing the pages"):
+        from study.comparison.pages import write_pages  # here: matplotlib is slow to import
+
+        page = write_pages(found, out, environment())
+    for one in found.omnibus:
+        console.print(sentences.ranking(one), soft_wrap=True)
+    console.print(sentences.functions_audited(found.functions), soft_wrap=True)
+    console.print(sentences.trajectories_audited(found.trajectories), soft_wrap=True)
+    console.print(sentences.matters(found.ablations), soft_wrap=True)
+    console.print(f"comparison: {page}", soft_wrap=True)
+    return page

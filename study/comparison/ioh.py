@@ -1,0 +1,98 @@
+"""Histories in the format of IOHprofiler, which IOHanalyzer and iohinspector read.
+
+References
+----------
+de Nobel, Ye, Vermetten, Wang, Doerr, Baeck: IOHexperimenter (2021): one JSON file per algorithm and function, and one
+data file per dimension in which every run begins with a header line and evaluation 1.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from study.comparison.contestants import Contestant
+from study.problem import Floats
+
+HEADER = "evaluations raw_y"
+
+
+def write_ioh(folder: Path, found: Sequence[Contestant], dimensions: Mapping[str, int]) -> list[Path]:
+    """Write the histories of all contestants; planners and levels are algorithms, cases are functions.
+
+    Our histories hold whole populations, so nothing is known at evaluation 1, where the format begins every run. There,
+    and while nothing is found, stands the largest value that any run of the case recorded.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if need be.
+    found : sequence of Contestant
+    dimensions : mapping of str to int
+        Segments of every case.
+
+    Returns
+    -------
+    list of Path
+        The JSON files.
+    """
+    cases = sorted({one.case for one in found})
+    worst = {case: _worst([one for one in found if one.case == case]) for case in cases}
+    return [
+        _write(folder, one, cases.index(one.case) + 1, dimensions[one.case], worst[one.case])
+        for one in found
+        if one.histories
+    ]
+
+
+def _worst(found: Sequence[Contestant]) -> float:
+    values = [history[:, 1] for one in found for history in one.histories]
+    finite = [column[np.isfinite(column)] for column in values]
+    return max((float(column.max()) for column in finite if column.size), default=0.0)
+
+
+def _write(folder: Path, one: Contestant, number: int, dimension: int, worst: float) -> Path:
+    name = re.sub(r"[^A-Za-z0-9]+", "-", f"{one.planner}-{one.level}")
+    case = re.sub(r"[^A-Za-z0-9]+", "-", one.case)
+    data = Path(f"data_f{number}_{case}") / f"IOHprofiler_f{number}_DIM{dimension}.dat"
+    home = folder / name
+    (home / data).parent.mkdir(parents=True, exist_ok=True)
+    rows = [_rows(history, worst) for history in one.histories]
+    (home / data).write_text("".join(_block(run) for run in rows), encoding="utf-8", newline="\n")
+    runs = [
+        {"instance": seed + 1, "evals": int(spent), "best": {"evals": int(run[-1, 0]), "y": float(run[-1, 1]), "x": []}}
+        for seed, (run, spent) in enumerate(zip(rows, one.spent, strict=True))
+    ]
+    document = {
+        "version": "0.3.18",
+        "suite": "time-optimal-study",
+        "function_id": number,
+        "function_name": case,
+        "maximization": False,
+        "algorithm": {"name": name, "info": f"time-optimal-study {version('time-optimal-study')}"},
+        "experiment_attributes": [{"formulation": one.level}],
+        "attributes": HEADER.split(),
+        "scenarios": [{"dimension": dimension, "path": data.as_posix(), "runs": runs}],
+    }
+    path = home / f"IOHprofiler_f{number}_{case}.json"
+    path.write_text(json.dumps(document, indent=1), encoding="utf-8", newline="\n")
+    return path
+
+
+def _rows(history: Floats, worst: float) -> Floats:
+    """Improvements of one run from evaluation 1 on, shape (n_rows, 2)."""
+    known = history[np.isfinite(history[:, 1])]
+    improving = np.concatenate([[True], np.diff(known[:, 1]) < 0]) if len(known) else np.empty(0, dtype=bool)
+    rows = known[improving]
+    if not len(rows) or rows[0, 0] > 1:
+        rows = np.vstack([[1.0, worst], rows])
+    return rows
+
+
+def _block(rows: Floats) -> str:
+    return f"{HEADER}\n" + "".join(f"{int(n)} {value!r}\n" for n, value in rows.tolist())

@@ -1,0 +1,193 @@
+"""Sentences with numbers, all of them made from the findings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from study.comparison.ablations import ABLATIONS, WHOLE, AblationFinding
+from study.comparison.audit import ALARM, FunctionFinding, TrajectoryFinding, figure
+from study.comparison.build import Comparison
+from study.comparison.claims import Counterpart
+from study.comparison.contestants import TRIVIAL
+from study.comparison.performance import Performance
+from study.comparison.tests import Omnibus
+from study.report.wording import listed, percent, plural, seconds
+
+
+def p_value(p: float) -> str:
+    """Write a p-value as people read it."""
+    return f"{p:.2g}" if p >= 1e-4 else "below 0.0001"
+
+
+def micro(wall: float) -> str:
+    """Write a wall time in the unit that suits it, microseconds among them."""
+    if wall < 1e-3:
+        return f"{1e6 * wall:.0f} µs"
+    return f"{1e3 * wall:.3g} ms" if wall < 1.0 else f"{wall:.3g} s"
+
+
+def ranking(found: Omnibus) -> str:
+    """Say who ranks first, and where the trivial opponents stand."""
+    trivial = [f"{name} {found.planners.index(name) + 1}" for name in TRIVIAL if name in found.planners]
+    return (
+        f"With the {found.level} formulation {found.planners[0]} has the best mean rank over "
+        f"{plural(len(found.cases), 'case')} ({found.friedman.mean_ranks[0]:.1f} of {len(found.planners)}); "
+        f"the places of the trivial opponents among {len(found.planners)}: {', '.join(trivial)}."
+    )
+
+
+def weakness(found: Omnibus) -> str:
+    """Say what so few cases can show at all."""
+    n, k = len(found.cases), len(found.planners)
+    return (
+        f"The omnibus test is weak with {plural(n, 'case')}: the smallest p that Friedman's test can give here is "
+        f"{found.smallest_p:.0e} for {k} planners, yet two planners are told apart only when their mean ranks differ by "
+        f"{found.difference:.1f} of at most {k - 1}, and a signed rank test over the cases cannot give a p below "
+        f"{found.smallest_pair_p:.3g}. It gives p {p_value(found.friedman.p)}."
+    )
+
+
+def targets_reached(level: str, measured: Sequence[Performance]) -> str:
+    """Say which share of all runs and targets the best search and the trivial opponents reached."""
+    shares: dict[str, list[float]] = {}
+    for one in measured:
+        shares.setdefault(one.contestant.planner, []).append(float(one.reached.mean()))
+    means = {name: float(np.mean(values)) for name, values in shares.items()}
+    best = max((name for name in means if name not in TRIVIAL), key=lambda name: means[name], default=None)
+    trivial = listed([f"{name} {percent(means[name], signed=False)}" for name in TRIVIAL if name in means])
+    if best is None:
+        return f"With the {level} formulation no search was run."
+    return (
+        f"With the {level} formulation {best} reached {percent(means[best], signed=False)} of all cases, runs and targets, "
+        f"the most of the searches; the trivial opponents: {trivial}."
+    )
+
+
+def functions_audited(found: Sequence[FunctionFinding]) -> str:
+    """Say whom the functions flag, and how the standard searches stand."""
+    flagged = [f"{one.search} ({figure(one.shifted)})" for one in found if one.shifted > ALARM]
+    plain = [f"{one.search} ({figure(one.shifted)})" for one in found if one.search in ("pso", "de")]
+    rest = (
+        f" Not flagged: {listed(plain)}."
+        if all(one.shifted <= ALARM for one in found if one.search in ("pso", "de"))
+        else ""
+    )
+    return (
+        f"On the functions the error of {len(flagged)} of {len(found)} searches grows more than "
+        f"{ALARM:g}-fold when the optimum leaves the origin: {listed(flagged) or 'none'}.{rest}"
+    )
+
+
+def trajectories_audited(found: Sequence[TrajectoryFinding]) -> str:
+    """Say what the audit finds on the trajectory problems."""
+    names = {one.search for one in found}
+    depends = [one for one in found if one.depends]
+    if not depends:
+        return (
+            f"On the trajectory problems no result of {len(names)} searches depends significantly on how the durations "
+            "are written."
+        )
+    by_search = dict.fromkeys(one.search for one in depends)
+    worst = max(depends, key=lambda one: abs(math.log(one.seen / one.as_they_are)))
+    flattered = len({one.search for one in depends if one.flattered})
+    return (
+        f"On the trajectory problems the results of {len(by_search)} of {len(names)} searches depend on how the durations are "
+        f"written ({listed(list(by_search))}); {flattered} of them are better with the durations as they are, which a pull "
+        f"to zero flatters. The largest change: {worst.search} on {worst.case} takes {seconds(worst.as_they_are)} with the "
+        f"durations as they are and {seconds(worst.seen)} with them {worst.view}."
+    )
+
+
+def improvements(found: Sequence[AblationFinding]) -> list[str]:
+    """Say which improvements matter on trajectory problems, and which on functions only."""
+    sentences = []
+    for ablation in ABLATIONS:
+        own = [one for one in found if one.paper == ablation.paper and one.improvement != WHOLE]
+        parts = [
+            f"{name}: {_counted([one for one in own if one.improvement == name])}" for name in ablation.improvements
+        ]
+        if own:
+            sentences.append(f"{ablation.title}. {'; '.join(parts)}.")
+    return sentences
+
+
+def _counted(found: Sequence[AblationFinding]) -> str:
+    texts = []
+    for kind, chosen in (("trajectory", True), ("function", False)):
+        tasks = [one for one in found if one.trajectory is chosen]
+        helps, harms = (sum(one.effect == effect for one in tasks) for effect in ("helps", "harms"))
+        texts.append(f"helps on {helps} and harms on {harms} of {len(tasks)} {kind} tasks")
+    return ", ".join(texts)
+
+
+def matters(found: Sequence[AblationFinding]) -> str:
+    """Say how many improvements matter at all."""
+    single = [one for one in found if one.improvement != WHOLE]
+    names = dict.fromkeys((one.paper, one.improvement) for one in single)
+
+    def helping(trajectory: bool) -> list[str]:
+        return [
+            name
+            for paper, name in names
+            if any(
+                one.effect == "helps" and one.trajectory is trajectory
+                for one in single
+                if (one.paper, one.improvement) == (paper, name)
+            )
+        ]
+
+    arms = helping(True)
+    return (
+        f"Of {len(names)} improvements, {len(arms)} help by themselves on at least one trajectory problem"
+        f"{': ' + listed(arms) if arms else ''}; {len(helping(False))} help on at least one function."
+    )
+
+
+def claimed(one: Counterpart) -> str:
+    """Lay a headline beside its counterparts."""
+    ours = f"{one.feasible} of {len(one.ours.durations)} of our runs feasible"
+    ruckig = f"Ruckig gives no motion ({one.ruckig_reason})"
+    if one.ruckig is not None:
+        ruckig = (
+            f"Ruckig, stopping at every waypoint on a path of its own, takes {seconds(one.ruckig.median)} and "
+            f"{micro(float(np.median(one.ruckig.wall)))} of computing against {micro(float(np.median(one.ours.wall)))}"
+        )
+    return (
+        f"{one.headline.paper} claims {one.printed_saving} less time than {one.headline.against} ({one.printed_total}). "
+        f"Its search, {one.planner}, run its own way ends at {seconds(one.our_total)} ({ours}): "
+        f"{less(one.saving_baseline)} than {one.headline.baseline} and {less(one.saving_random)} than random search at the "
+        f"same budget, {percent(one.above_optimum)} against the optimum of {seconds(one.reference.value)}; "
+        f"the printed total is {percent(one.printed_above_optimum)} against that optimum. {ruckig}."
+    )
+
+
+def less(saving: float) -> str:
+    """Say how much shorter a time is, or longer."""
+    return f"{percent(abs(saving), signed=False)} {'shorter' if saving >= 0 else 'longer'}"
+
+
+def limitations(found: Comparison) -> list[str]:
+    """What the numbers do not show."""
+    effort = found.effort
+    items = [
+        f"{plural(len(found.cases), 'case')} from five papers; what ranks high here need not elsewhere.",
+        "The reference of every case is the best known on its paper's curve family with all joints together; for it no "
+        "proof of optimality is given here, and methods with other curves or paths are not measured against it.",
+        "Populations are recorded whole, so a target counts as reached at the end of the generation that reached it.",
+        "Seconds to target spread a run's wall time evenly over its evaluations.",
+        "Errors on functions below 1e-8 count as 1e-8.",
+    ]
+    if effort.seeds < 20:
+        items.insert(
+            0,
+            f"Quick mode: {effort.seeds} repetitions of every planner and {effort.trial_seeds} of every trial; a signed rank "
+            f"test of {effort.seeds} pairs cannot give a p below {2.0 ** (1 - effort.seeds):.3g}. Run it with --full for "
+            "30 repetitions and the papers' budgets.",
+        )
+    if found.failures:
+        broken = listed([f"{name} ({count})" for name, count in sorted(found.failures.items())])
+        items.append(f"Searches that broke down in trials, with the number of runs that ended early: {broken}.")
+    return items
