@@ -78,7 +78,7 @@ def build_report(
     """
     reports = _case_reports(cases, results, out)
     pages = {report.slug: _case_page(report, environment) for report in reports}
-    pages["index"] = _index_page(reports, environment)
+    pages["index"] = _index_page(reports, environment, out)
     try:
         (out / "tables").mkdir(parents=True, exist_ok=True)
         for report in reports:
@@ -128,7 +128,7 @@ def _render(template: str, context: Mapping[str, object]) -> str:
     return environment.get_template(template).render(**shared, **source, **context)
 
 
-def _index_page(reports: Sequence[CaseReport], environment: Mapping[str, str]) -> str:
+def _index_page(reports: Sequence[CaseReport], environment: Mapping[str, str], out: Path) -> str:
     rows = [headline_row(report) for report in reports]
     known = [row for row in rows if row is not None]
     reference = "the deterministic optimum on the same curve"
@@ -144,6 +144,7 @@ def _index_page(reports: Sequence[CaseReport], environment: Mapping[str, str]) -
             "headline": pictures,
             "legend": [(ROLES.index(role), ROLE_NAMES[role]) for role in ROLES],
             "published": _published_count(reports),
+            "reproduced": (out / "reproduction" / "index.html").is_file(),
             "environment": environment,
         },
     )

@@ -64,15 +64,15 @@ def examine(cells: Statistics, runs: int, function: Benchmark) -> dict[str, Find
     """
     summary = _summary(cells, runs)
     found: dict[str, Finding] = {}
-    above_best = None
-    if summary.minimum is not None:
-        above_best = forensics.std_too_large(summary, summary.low(summary.minimum))
     checks: list[tuple[str, Finding | None]] = [
         ("mean", forensics.mean_outside_extremes(summary)),
         ("mean", forensics.mean_too_near_extreme(summary)),
         ("std", forensics.std_beyond_extremes(summary)),
-        ("std", above_best and Finding("std bound", above_best.inequality.replace("f*", "best"))),
+        ("std", None if function.minimum is None else _std_bound(cells, runs, function.minimum, "f*")),
     ]
+    if cells.best is not None and cells.best.value is not None:
+        best = cells.best.value - half_unit(cells.best.printed)
+        checks.append(("std", _std_bound(cells, runs, best, "best")))
     if function.minimum is not None:
         checks += _against_least(cells, summary, function, function.minimum)
     top = largest(function)
@@ -88,12 +88,25 @@ def _against_least(
     cells: Statistics, summary: Summary, function: Benchmark, least: float
 ) -> list[tuple[str, Finding | None]]:
     step = grain(function)
-    checks = [("mean", forensics.below_optimum(summary, least)), ("std", forensics.std_too_large(summary, least))]
+    checks = [("mean", forensics.below_optimum(summary, least))]
     if step:
         checks.append(("mean", forensics.finer_than_doubles(summary, least, step)))
         if cells.best is not None and cells.best.value is not None:
             checks.append(("best", _finer(cells.best.value - least, step)))
     return checks
+
+
+def _std_bound(cells: Statistics, runs: int, least: float, name: str) -> Finding | None:
+    """Check the deviation against the mean's distance from a least value; each is rounded by its own digits."""
+    mean, std = cells.mean, cells.std
+    if mean.value is None or std.value is None:
+        return None
+    own = digits(mean.printed)
+    lowest = Summary(runs, mean.value, max(std.value - half_unit(std.printed), 0.0), digits=own)
+    if forensics.std_too_large(lowest, least) is None:
+        return None
+    finding = forensics.std_too_large(Summary(runs, mean.value, std.value, digits=own), least)
+    return finding and Finding(finding.check, finding.inequality.replace("f*", name))
 
 
 def _finer(above: float, step: float) -> Finding | None:

@@ -40,8 +40,8 @@ def half_unit(printed: str) -> float:
 
 def digits(printed: str) -> int:
     """Significant digits of a printed number."""
-    mantissa = re.split(r"x|e", printed.replace("−", "").replace("-", ""), maxsplit=1)[0]
-    return max(1, len(re.sub(r"\D", "", mantissa).lstrip("0")))
+    found = re.search(r"\d[\d,.]*", printed)
+    return max(1, len(re.sub(r"\D", "", found[0]).lstrip("0"))) if found else 1
 
 
 def number(value: float) -> str:
