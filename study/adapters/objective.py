@@ -1,0 +1,176 @@
+"""A case as a box-constrained minimisation problem in segment durations, counted, with the best value known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from study.curves import curve_named
+from study.datafiles import Strict, checked, data_folder, read_yaml
+from study.errors import StudyError
+from study.experiment.cases import Case, case_names, load_case
+from study.formulation import FORMULATIONS, formulation_named
+from study.problem import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Instance:
+    """A reflection of some coordinates in the middle of the box, then a shift of the whole box.
+
+    The landscape stays the same up to an isometry, so the best value does too, but a search that favours the origin, the
+    axes' directions or the middle of the box no longer gains by it.
+
+    Attributes
+    ----------
+    number : int
+        0 leaves everything in place; any other number is the seed of its reflection and shift.
+    mirrored : bool array of shape (n_dimensions,)
+    shift : array of shape (n_dimensions,), s
+    """
+
+    number: int
+    mirrored: np.ndarray
+    shift: Floats
+
+    @classmethod
+    def of(cls, number: int, lower: Floats, upper: Floats) -> Instance:
+        """Draw an instance for a box."""
+        if number < 0:
+            raise StudyError(f"an instance is a number from 0 on, got {number}")
+        if number == 0:
+            return cls(0, np.zeros(len(lower), dtype=bool), np.zeros(len(lower)))
+        rng = np.random.default_rng([number, len(lower)])
+        return cls(number, rng.random(len(lower)) < 0.5, rng.uniform(-1.0, 1.0, len(lower)) * (upper - lower))
+
+
+class DurationObjective:
+    """Total time as a function of the segment durations of a case, to be minimised.
+
+    Call it with one point of shape (n_dimensions,) for a float, or with a population of shape (n_points, n_dimensions)
+    for an array. Every point counts as one evaluation. Infinity stands for values that are not numbers.
+
+    Attributes
+    ----------
+    case : Case
+    formulation : str
+        `scaled`: the candidate's durations are stretched or shortened until they are just feasible; `penalty`: total
+        time plus a penalty where a limit is broken.
+    instance : Instance
+    lower, upper : arrays of shape (n_dimensions,), s
+    best_known : float, optional, s
+        Lowest value known, by the deterministic optimiser of the study; None where none is stored.
+    best_point : array of shape (n_dimensions,), optional
+        A point of the box that has it.
+    evaluations : int
+        Points evaluated so far.
+    best : float, s
+        Lowest value seen so far.
+    """
+
+    def __init__(self, case: Case, formulation: str = "scaled", instance: int = 0) -> None:
+        problem, self.case, self.formulation = case.problem, case, formulation
+        self._value = formulation_named(formulation, problem, curve_named(case.curve))
+        self._low, self._high = (np.full(problem.n_segments, bound) for bound in problem.duration_bounds)
+        self.instance = Instance.of(instance, self._low, self._high)
+        self.lower, self.upper = self._low + self.instance.shift, self._high + self.instance.shift
+        known = _best_known().get(case.name, {}).get(formulation)
+        self.best_known = None if known is None else known.value
+        self.best_point = None if known is None else self.point(np.array(known.durations))
+        self.reset()
+
+    @property
+    def name(self) -> str:
+        """Case, formulation and instance."""
+        return f"{self.case.name}, {self.formulation}, instance {self.instance.number}"
+
+    @property
+    def n_dimensions(self) -> int:
+        """Number of segment durations."""
+        return len(self.lower)
+
+    @property
+    def bounds(self) -> list[tuple[float, float]]:
+        """Pairs (lower, upper), as SciPy takes them."""
+        return list(zip(self.lower.tolist(), self.upper.tolist(), strict=True))
+
+    def reset(self) -> None:
+        """Forget all evaluations."""
+        self.evaluations, self.best = 0, np.inf
+
+    def durations(self, points: ArrayLike) -> Floats:
+        """Durations that points of this instance stand for, s, of the same shape."""
+        inside = np.asarray(points, dtype=float) - self.instance.shift
+        return np.where(self.instance.mirrored, self._low + self._high - inside, inside)
+
+    def point(self, durations: ArrayLike) -> Floats:
+        """Points of this instance that stand for durations: the inverse of `durations`."""
+        given = np.asarray(durations, dtype=float)
+        return np.where(self.instance.mirrored, self._low + self._high - given, given) + self.instance.shift
+
+    def __call__(self, points: ArrayLike) -> float | Floats:
+        """Evaluate one point or a population."""
+        array = np.asarray(points, dtype=float)
+        rows = np.atleast_2d(array)
+        if array.ndim not in (1, 2) or rows.shape[1] != self.n_dimensions:
+            raise StudyError(f"{self.name}: points must have {self.n_dimensions} coordinates, got shape {array.shape}")
+        values = self.values(rows)
+        return float(values[0]) if array.ndim == 1 else values
+
+    def values(self, rows: Floats) -> Floats:
+        """Evaluate a population of shape (n_points, n_dimensions); values of shape (n_points,)."""
+        durations = self.durations(rows)
+        usable = np.isfinite(durations).all(axis=1) & (durations > 0).all(axis=1)
+        values = np.full(len(rows), np.inf)
+        if usable.any():
+            raw = self._value(durations[usable])
+            values[usable] = np.where(np.isnan(raw), np.inf, raw)
+        self.evaluations += len(rows)
+        self.best = min(self.best, float(values.min(initial=np.inf)))
+        return values
+
+
+def objective(case: str | Case, formulation: str = "scaled", instance: int = 0) -> DurationObjective:
+    """Take a case as an objective.
+
+    Parameters
+    ----------
+    case : str or Case
+        A name, the path of a file, or a case.
+    formulation : str
+        `scaled` or `penalty`.
+    instance : int
+
+    Raises
+    ------
+    StudyError
+        If there is no such case or formulation.
+    """
+    return DurationObjective(load_case(case) if isinstance(case, str) else case, formulation, instance)
+
+
+def suite(instances: int = 3) -> Iterator[DurationObjective]:
+    """Go through the papers' cases, both formulations and the first instances."""
+    for name in case_names(default_only=True):
+        for formulation in FORMULATIONS:
+            for instance in range(instances):
+                yield objective(name, formulation, instance)
+
+
+class _Known(Strict):
+    value: float
+    durations: list[float]
+
+
+class _File(Strict):
+    method: str
+    cases: dict[str, dict[str, _Known]]
+
+
+@cache
+def _best_known() -> dict[str, dict[str, _Known]]:
+    path = data_folder() / "best_known.yaml"
+    return checked(_File, read_yaml(path), f"file {path.name!r}").cases
