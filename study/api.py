@@ -143,8 +143,7 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
     Raises
     ------
     StudyError
-        If there is no such planner or a package that it needs is missing. A planner that fails is a result with a
-        reason.
+        If there is no such planner. A planner that fails, or lacks a package, is a result with a reason.
     """
     if planner != "auto":
         planner_named(planner)

@@ -1,0 +1,23 @@
+"""The command `study`, also as `python -m study`; it says in one sentence if a package that it needs is missing."""
+
+from __future__ import annotations
+
+import sys
+
+
+def main() -> None:
+    """Run the command."""
+    try:
+        from study.cli import main as run
+    except ModuleNotFoundError as error:
+        print(
+            f"study: the command needs the Python package {error.name!r}, which is not installed; install everything with: "
+            "pip install time-optimal-study (from Python, study.plan and study.compare work without it)",
+            file=sys.stderr,
+        )
+        sys.exit(2)
+    run()
+
+
+if __name__ == "__main__":
+    main()
