@@ -167,8 +167,8 @@ def check_search(search: Search[Any], n_dimensions: int = 4, budget: int = 600, 
     _drive(search, Meter(lambda points: np.full(len(points), np.inf), 3 * population), box, population)
 
 
-def _drive(search: Search[Any], meter: Meter, box: Box, population: int) -> list[Floats]:
-    rng, generations = np.random.default_rng(7), -(-meter.budget // population)
+def _drive(search: Search[Any], meter: Meter, box: Box, population: int, seed: int = 0) -> list[Floats]:
+    rng, generations = np.random.default_rng(seed), -(-meter.budget // population)
     random_before = _global_random_state()
     state, asked = search.init(box, population, generations, rng), []
     while True:

@@ -1,0 +1,203 @@
+"""The conformance tests find what is wrong, and pass what is right."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from study.curves import curve_named
+from study.errors import StudyError
+from study.experiment.registry import planner_named, planner_names
+from study.formulation import Scaled
+from study.planners.segment_times import SegmentTimePlanner
+from study.planning import Plan, RunSettings, Status
+from study.problem import Problem
+from study.search.random_search import RandomSearch
+from study.testing import NonconformingError, check_planner, check_search, example_problems, random_problem
+
+LEFT_OUT = {"ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp"}
+"""Planners too slow for the fast tests; they have tests of this kind in their own files."""
+BOUNDS = {"any-motion-bound", "lower-bounds"}
+"""What proves a bound and gives no motion is no planner that could solve anything."""
+QUICK = RunSettings("poly353", seed=3, evaluations=60, population=10, formulation="scaled")
+
+
+class Good:
+    stochastic = False
+    segment_times = True
+
+    def durations(self, problem, settings):
+        return np.ones(problem.n_segments)
+
+    def plan(self, problem, settings):
+        curve = curve_named(settings.curve)
+        durations = Scaled(problem, curve).realise(self.durations(problem, settings)[None])[0]
+        return Plan(Status.FINISHED, motion=curve.motion(problem.waypoints, durations), durations=durations)
+
+
+def test_a_good_planner_passes():
+    check_planner(Good())
+
+
+class Unseeded(Good):
+    def durations(self, problem, settings):
+        return np.random.default_rng().uniform(1, 2, problem.n_segments)
+
+
+class GlobalRandom(Good):
+    def durations(self, problem, settings):
+        np.random.seed(1)  # noqa: NPY002
+        return np.random.uniform(1, 2, problem.n_segments)  # noqa: NPY002
+
+
+class Hasty(Good):
+    def plan(self, problem, settings):
+        plan = super().plan(problem, settings)
+        return replace(plan, motion=plan.motion.scaled(0.5))
+
+
+class Spender(Good):
+    def plan(self, problem, settings):
+        return replace(super().plan(problem, settings), evaluations=settings.evaluations + 1)
+
+
+class Silent(Good):
+    def plan(self, problem, settings):
+        return Plan(Status.FAILED)
+
+
+class Useless(Good):
+    def plan(self, problem, settings):
+        return Plan(Status.NOT_APPLICABLE, message="I never work")
+
+
+class Crashing(Good):
+    def plan(self, problem, settings):
+        return [][1]
+
+
+class Tuple(Good):
+    def plan(self, problem, settings):
+        return (1, 2)
+
+
+class Refusing(Good):
+    def plan(self, problem, settings):
+        raise StudyError("two\nlines")
+
+
+class Boaster(Good):
+    def plan(self, problem, settings):
+        return Plan(Status.FINISHED, message="done")
+
+
+class Meddler(Good):
+    def plan(self, problem, settings):
+        problem.waypoints.setflags(write=True)
+        problem.waypoints[1] += 1e-9
+        return super().plan(problem, settings)
+
+
+class Unmarked(Good):
+    stochastic = "no"
+
+
+@pytest.mark.parametrize(
+    ("planner", "sentence"),
+    [
+        (Unseeded, "one seed gave two motions"),
+        (GlobalRandom, "NumPy's global random state"),
+        (Hasty, "its motion is infeasible: "),
+        (Spender, "301 evaluations of 300"),
+        (Silent, "neither a motion nor a reason"),
+        (Useless, "solved none"),
+        (Crashing, "it raised IndexError"),
+        (Tuple, "it returned a tuple"),
+        (Refusing, "not one sentence"),
+        (Boaster, "there is no motion"),
+        (Meddler, "changed the problem"),
+        (Unmarked, "both true or false"),
+    ],
+)
+def test_what_is_wrong_with_a_planner_is_found(planner, sentence):
+    with pytest.raises(NonconformingError, match=sentence):
+        check_planner(planner(), example_problems()[:2])
+
+
+@pytest.mark.parametrize("name", sorted(set(planner_names()) - LEFT_OUT - BOUNDS))
+def test_every_installed_planner_keeps_the_contract(name):
+    four = [problem for problem in example_problems() if problem.n_waypoints == 4]
+    check_planner(planner_named(name), four, QUICK, may_be_infeasible=name == "toppra")
+
+
+def test_every_search_of_ours_keeps_the_contract():
+    searches = {
+        type(planner.search).__name__: planner.search
+        for name, planner in ((name, planner_named(name)) for name in planner_names())
+        if not name.endswith("-as-printed")  # a printed rule may let particles leave the box
+        and isinstance(planner, SegmentTimePlanner)
+    }
+    assert len(searches) > 10
+    for search in searches.values():
+        check_search(search)
+
+
+class Frozen(RandomSearch):
+    def ask(self, state, rng):
+        return state
+
+
+class Escaping(RandomSearch):
+    def ask(self, state, rng):
+        return replace(state, candidates=state.box.upper + np.ones_like(state.candidates))
+
+
+class Lost(RandomSearch):
+    def ask(self, state, rng):
+        return replace(state, candidates=np.full_like(state.candidates, np.nan))
+
+
+class Mutating(RandomSearch):
+    def tell(self, state, values, rng):
+        state.candidates[:] = state.box.lower
+        return super().tell(state, values, rng)
+
+
+class Forgetful(RandomSearch):
+    def tell(self, state, values, rng):
+        return replace(super().tell(state, values, rng), incumbent_value=np.inf)
+
+
+class OwnDice(RandomSearch):
+    def ask(self, state, rng):
+        return super().ask(state, np.random.default_rng())
+
+
+@pytest.mark.parametrize(
+    ("search", "sentence"),
+    [
+        (Frozen, "never improved"),
+        (Escaping, "outside the box"),
+        (Lost, "not finite"),
+        (Mutating, "tell changed the state"),
+        (Forgetful, "incumbent is not the best"),
+        (OwnDice, "different candidates"),
+    ],
+)
+def test_what_is_wrong_with_a_search_is_found(search, sentence):
+    with pytest.raises(NonconformingError, match=sentence):
+        check_search(search())
+
+
+def test_random_problems_are_repeatable_and_differ():
+    drawn = [random_problem(np.random.default_rng(seed)) for seed in range(200)]
+    assert {p.n_joints for p in drawn} == set(range(1, 9))
+    assert {p.n_waypoints for p in drawn} == set(range(2, 26))
+    assert (drawn[0].waypoints == random_problem(np.random.default_rng(0)).waypoints).all()
+    assert {int(np.isfinite(p.limits.rates[:, 0]).sum()) for p in drawn} == {1, 2, 3}
+
+
+def test_problem_names_are_unique():
+    names = [problem.name for problem in example_problems()]
+    assert len(set(names)) == len(names)
+    assert all(isinstance(problem, Problem) for problem in example_problems())
