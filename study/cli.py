@@ -194,26 +194,6 @@ def reproduce(
     reproduce_command(paper, all_papers, quick, out, jobs, commit, make_console())
 
 
-@app.command()
-def compare(
-    cases: CaseList = None,
-    out: Out = DEFAULT_OUT,
-    full: Annotated[
-        bool, typer.Option("--full", help=f"The papers' own budgets and {FULL_SEEDS} repetitions of everything.")
-    ] = False,
-    seeds: Annotated[int | None, typer.Option(min=2, help="Repetitions of everything, in place of the usual ones.")] = None,
-    jobs: Annotated[int | None, typer.Option(min=1, help="Worker processes; all processors by default.")] = None,
-) -> None:
-    """Build the fair comparison: targets, tests, invariance audit, ablations, claims; runs only what is missing."""
-    from study.comparison.command import compare_command
-
-    loaded = {name: case for name, (case, _) in _cases(cases).items()}
-    try:
-        compare_command(loaded, out / STORE_NAME, out / "report" / "comparison", full, seeds, jobs, _console())
-    except KeyboardInterrupt:
-        raise Interrupted(f"interrupted; what was run is stored in {out / STORE_NAME}: run the same command again to go on") from None
-
-
 @cases_app.command("show")
 def show_case(name: Annotated[str, typer.Argument(metavar="NAME", help="Name or YAML file.")]) -> None:
     """Print a case: waypoints, limits, sources and notes."""

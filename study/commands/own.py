@@ -15,10 +15,20 @@ from study.api import COMPARED, Planned
 from study.api import plan as plan_motion
 from study.commands.checking import report_verdict
 from study.commands.example import EXAMPLE
-from study.commands.runs import DEFAULT_OUT, INFEASIBLE, STORE_NAME, Out, file_stem, make_console, run_missing, show
+from study.commands.runs import (
+    DEFAULT_OUT,
+    INFEASIBLE,
+    STORE_NAME,
+    Interrupted,
+    Out,
+    file_stem,
+    make_console,
+    run_missing,
+    show,
+)
 from study.datafiles import make_file
 from study.errors import StudyError
-from study.experiment.cases import Case, load_case, own_case
+from study.experiment.cases import Case, case_names, load_case, own_case
 from study.experiment.lineup import Budget, make_cells, parse_specs
 from study.experiment.obstacles import nearest
 from study.experiment.owncase import bare_content
@@ -108,12 +118,19 @@ def trajectory_file(out: Path, case: Case, form: str) -> Path:
 
 
 def compare(
-    file: File,
+    file: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[FILE]",
+            help="A case (YAML or JSON), or waypoints alone: CSV or a JointTrajectory. Without it the papers' searches "
+            "are compared on the papers' cases.",
+        ),
+    ] = None,
     planners: Annotated[
         list[str] | None, typer.Option(help=f"As in `study run`. [default: {','.join(COMPARED)}]")
     ] = None,
-    seeds: Annotated[int, typer.Option(help="Runs of every search.")] = 3,
-    evaluations: Annotated[int, typer.Option(help="Of every search.")] = 2000,
+    seeds: Annotated[int | None, typer.Option(help="Runs of every search. [default: 3 with FILE]")] = None,
+    evaluations: Annotated[int, typer.Option(help="Of every search, with FILE.")] = 2000,
     time_limit: Annotated[float, typer.Option(help="Seconds after which a planner is interrupted.")] = 20.0,
     jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
     out: Out = DEFAULT_OUT,
@@ -121,8 +138,23 @@ def compare(
     report: Annotated[bool, typer.Option(help="Write the report and the recording.")] = True,
     limits: LimitFiles = None,
     units: Units = None,
+    cases: Annotated[
+        list[str] | None,
+        typer.Option(help="Without FILE: names of cases, separated by commas; the papers' five by default."),
+    ] = None,
+    full: Annotated[
+        bool, typer.Option("--full", help="Without FILE: the papers' own budgets and 30 repetitions of everything.")
+    ] = False,
 ) -> None:
-    """Put your own problem to several planners; leaves tables, report, recording and the best trajectory."""
+    """Put your own problem to several planners, or, without FILE, compare the papers' searches with tests and an audit.
+
+    With FILE it leaves tables, report, recording and the best trajectory. Without, pages with targets, tests, the
+    invariance audit, ablations and the papers' claims; what is stored is not run again.
+    """
+    if file is None:
+        _compare_papers(cases, out, full, seeds, jobs)
+        return
+    seeds = 3 if seeds is None else seeds
     case, console = load_any(file, units, limits or []), make_console()
     source = str(file.resolve()) if not _is_bare(file) else _kept_case(case, file, units, limits or [], out)
     cells = make_cells([case], _compared(planners), Budget(seeds, evaluations, time_limit))
@@ -138,6 +170,19 @@ def compare(
     for form in FORMS:
         path = write_motion(best.motion, case.problem, trajectory_file(out, case, form), rate)
         console.print(f"trajectory: {path}", soft_wrap=True)
+
+
+def _compare_papers(cases: list[str] | None, out: Path, full: bool, seeds: int | None, jobs: int | None) -> None:
+    from study.comparison.command import compare_command
+
+    names = [name.strip() for text in cases or () for name in text.split(",") if name.strip()]
+    chosen = {case.name: case for case in map(load_case, names or case_names(default_only=True))}
+    try:
+        compare_command(chosen, out / STORE_NAME, out / "report" / "comparison", full, seeds, jobs, make_console())
+    except KeyboardInterrupt:
+        raise Interrupted(
+            f"interrupted; what was run is stored in {out / STORE_NAME}: run the same command again to go on"
+        ) from None
 
 
 def _compared(planners: Sequence[str] | None) -> tuple[Any, ...]:

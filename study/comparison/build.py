@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from study.comparison import ablations, audit, claims, performance, tests
+from study.comparison import ablations, audit, claims, performance, statistics, tests
 from study.comparison.contestants import (
     LEVELS,
     Contestant,
@@ -95,6 +95,7 @@ def compare(
     StudyError
         If the store cannot be used or the library of the post hoc test is missing.
     """
+    statistics.posthocs()  # a missing library shows before any work is done
     chosen = list(cases.values())
     cells = {level: level_cells(chosen, level, effort) for level in LEVELS}
     own, solving = claims.claim_cells(chosen, effort), solver_cells(chosen, effort)

@@ -7,10 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
+from rich.progress import TaskID
 
 from study.comparison import sentences
 from study.comparison.build import compare
 from study.comparison.effort import FULL, QUICK
+from study.errors import StudyError
 from study.experiment.cases import Case
 from study.experiment.environment import environment
 from study.terminal import progress
@@ -42,14 +44,17 @@ def compare_command(
         If the store cannot be used, a library is missing, or the pages cannot be written.
     """
     effort = FULL if full else QUICK
+    if seeds is not None and seeds < 2:
+        raise StudyError(f"a comparison on paired seeds needs at least 2 seeds, got {seeds}")
     if seeds is not None:
         effort = replace(effort, seeds=seeds, trial_seeds=seeds, function_seeds=seeds)
     with progress(console) as bar:
-        tasks: dict[str, object] = {}
+        tasks: dict[str, TaskID] = {}
 
         def told(part: str, done: int, total: int) -> None:
-            task = tasks.setdefault(part, bar.add_task(part, total=total) if part not in tasks else None)
-            bar.update(task, completed=done, total=total)  # type: ignore[arg-type]
+            if part not in tasks:
+                tasks[part] = bar.add_task(part, total=total)
+            bar.update(tasks[part], completed=done)
 
         found = compare(cases, effort, store, jobs, told)
     with console.status("writing the pages"):

@@ -8,8 +8,10 @@ Behav. Stat. 25 (2000). Holm, Scand. J. Stat. 6 (1979).
 
 from __future__ import annotations
 
+import importlib
 import math
 from dataclasses import dataclass
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -208,6 +210,23 @@ def against_control(found: Friedman, control: int) -> Floats:
     return adjusted
 
 
+def posthocs() -> ModuleType:
+    """Import the library of the post hoc tests.
+
+    Raises
+    ------
+    StudyError
+        If scikit-posthocs is not installed.
+    """
+    try:
+        return importlib.import_module("scikit_posthocs")
+    except ModuleNotFoundError as error:
+        raise StudyError(
+            f"the comparison's post hoc test needs the Python package {error.name!r}, which is not installed; "
+            "install it with: pip install 'time-optimal-study[compare]'"
+        ) from None
+
+
 def nemenyi(table: ArrayLike) -> Floats:
     """All-pairs p of Nemenyi's test after Friedman's, shape (n_methods, n_methods), by scikit-posthocs.
 
@@ -216,15 +235,8 @@ def nemenyi(table: ArrayLike) -> Floats:
     StudyError
         If scikit-posthocs is not installed.
     """
-    try:
-        import scikit_posthocs
-    except ModuleNotFoundError as error:
-        raise StudyError(
-            f"Nemenyi's test needs the Python package {error.name!r}, which is not installed; "
-            "install it with: pip install 'time-optimal-study[compare]'"
-        ) from None
     rows = np.array([comparable(row) for row in np.asarray(table, dtype=float)])
-    return np.asarray(scikit_posthocs.posthoc_nemenyi_friedman(rows), dtype=float)
+    return np.asarray(posthocs().posthoc_nemenyi_friedman(rows), dtype=float)
 
 
 def cliques(mean_ranks: ArrayLike, difference: float) -> list[tuple[int, ...]]:
