@@ -30,17 +30,24 @@ class Statistics:
 
 @cache
 def grain(function: Benchmark) -> float:
-    """Smallest step above a function's least value that double precision shows; 0 where there is none above 1e-300.
+    """Smallest value above a least value of 0 that double precision shows; 0 where there is none above 1e-200.
 
-    The function is evaluated at points ever nearer to its minimiser.
+    The function is evaluated ever nearer to its minimiser, with all coordinates moved and with one alone, down to the
+    neighbouring doubles. What is found is an upper estimate, so the checks allow for a tenth of it.
     """
-    if function.minimiser is None or function.minimum is None or function.minimum != 0.0:
+    if function.minimiser is None or function.minimum != 0.0:
         return 0.0
-    rng = np.random.default_rng(0)
-    scales = 10.0 ** -np.repeat(np.arange(0.0, 300.0, 0.5), 4)[:, None]
-    points = function.minimiser + scales * rng.standard_normal((len(scales), function.n_dimensions))
-    values = function.formula(points)
-    least = float(values[values > 0].min())
+    n = function.n_dimensions
+    scales = 10.0 ** -np.arange(0.0, 300.0, 0.25)[:, None]
+    shapes = [
+        *np.random.default_rng(0).standard_normal((4, n)),
+        *(side * np.eye(n)[k] for k in {0, n // 2, n - 1} for side in (-1, 1)),
+    ]
+    near = np.concatenate([function.minimiser + scales * shape for shape in shapes])
+    alone = np.eye(n, dtype=bool)
+    ulps = [np.where(alone, np.nextafter(function.minimiser, way), function.minimiser) for way in (-np.inf, np.inf)]
+    values = function.formula(np.concatenate([near, *ulps]))
+    least = 0.1 * float(values[values > 0].min())
     return least if least > 1e-200 else 0.0
 
 
@@ -111,7 +118,7 @@ def _std_bound(cells: Statistics, runs: int, least: float, name: str) -> Finding
 
 def _finer(above: float, step: float) -> Finding | None:
     """Check a single value, not a mean: it is the least value or at least one step above it."""
-    if above <= 0.0 or above >= 0.5 * step:
+    if above <= 0.0 or above >= step:
         return None
     return Finding("granularity", f"value - f* = {above:g} is 0 or >= the function's smallest step {step:.4g} fails")
 

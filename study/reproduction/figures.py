@@ -10,7 +10,9 @@ import matplotlib as mpl
 import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from study.report.drawn import DASHES, GRID, INK, RC, SERIES
 from study.report.svg import themed
@@ -65,11 +67,22 @@ def _panel(axes: Axes, panel: Panel) -> None:
         )
         ends.append(float(heights[-1]))
     axes.set_xscale("log")
+    _plain_ticks(axes.xaxis)
     if panel.logarithmic and all(np.min(values) > 0 or np.max(values) >= 0 for _, values in panel.lines.values()):
         axes.set_yscale("log")
+        axes.yaxis.set_major_locator(LogLocator(numticks=6))
+        _plain_ticks(axes.yaxis)
     elif not panel.logarithmic:
         low, high = min(ends), max(ends)
         axes.set_ylim(low - 0.1 * (high - low) - 0.01 * low, high + max(0.6 * (high - low), 0.25 * low))
+
+
+def _plain_ticks(axis: Axis) -> None:
+    """Label a logarithmic axis without mathematical type, which the pages do not set."""
+    axis.set_major_formatter(
+        lambda value, _: f"{value:g}" if 1e-3 < value < 1e5 else f"{value:.0e}".replace("e+0", "e").replace("e-0", "e-")
+    )
+    axis.set_minor_formatter(NullFormatter())
 
 
 def histograms(key: str, names: Sequence[str]) -> Markup:
