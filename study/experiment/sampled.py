@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline, PPoly
 
 from study import polynomial
 from study.errors import StudyError, unknown
+from study.io.rows import csv_cells, decimal
 from study.problem import EndCondition, Floats, Problem
 from study.trajectory import Trajectory
 
@@ -101,22 +101,20 @@ def _rows(path: Path) -> list[tuple[int, list[str]]]:
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is not a text file"
         raise StudyError(f"cannot read file {path}: {reason}") from error
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    delimiter = next((mark for mark in (",", ";", "\t") if lines and mark in lines[0][1]), ",")
-    rows = [(number, next(csv.reader([line], delimiter=delimiter))) for number, line in lines]
+    rows = csv_cells(text)
     return rows[1:] if rows and not _numeric(rows[0][1][0]) else rows
 
 
 def _numeric(text: str) -> bool:
     try:
-        float(text)
+        decimal(text)
     except ValueError:
         return False
     return True
 
 
 def _number(path: Path, line: int, text: str) -> float:
-    value = float(text) if _numeric(text) else np.nan
+    value = decimal(text) if _numeric(text) else np.nan
     if not np.isfinite(value):
         raise StudyError(f"file {path}, line {line}: expected a finite number, got {text.strip()!r}")
     return value
