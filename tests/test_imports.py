@@ -13,7 +13,7 @@ OWNERS = {
     "toppra": ("baselines/toppra_retiming.py",),
     "ruckig": ("baselines/ruckig_moves.py",),
     "rerun": ("study/report/recording/",),
-    "matplotlib": ("study/report/figures.py",),
+    "matplotlib": ("study/report/figures.py", "study/reproduction/figures.py", "study/comparison/figures.py"),
     "pickle": ("study/experiment/pool.py",),  # between the run's own processes only
 }
 

@@ -29,12 +29,13 @@ from study.commands.runs import (
 from study.datafiles import make_file
 from study.errors import StudyError
 from study.experiment.cases import Case, case_names, load_case, own_case
+from study.experiment.environment import environment
 from study.experiment.lineup import Budget, make_cells, parse_specs
 from study.experiment.obstacles import nearest
 from study.experiment.owncase import bare_content
 from study.experiment.registry import unavailable_planners
 from study.experiment.results import Result
-from study.experiment.store import Store
+from study.experiment.store import Store, remembered_lineup
 from study.io.export import write_motion
 from study.io.joint_trajectory import found_message
 from study.io.rows import parsed
@@ -183,6 +184,22 @@ def _compare_papers(cases: list[str] | None, out: Path, full: bool, seeds: int |
         raise Interrupted(
             f"interrupted; what was run is stored in {out / STORE_NAME}: run the same command again to go on"
         ) from None
+    _link_comparison(out)
+
+
+def _link_comparison(out: Path) -> None:
+    """Write the report again where there is one, so that its index leads to the comparison."""
+    index = out / "report" / "index.html"
+    if not index.is_file() or "comparison/index.html" in index.read_text(encoding="utf-8"):
+        return
+    from study.report.page import build_report  # here: matplotlib is slow to import
+
+    cells, sources = remembered_lineup(out / STORE_NAME)
+    cases = {name: load_case(source) for name, source in sources.items()}
+    with Store(out / STORE_NAME, cases, write=False) as store:
+        results = store.results(cells)
+    if results:
+        build_report(cases, results, out / "report", environment())
 
 
 def _compared(planners: Sequence[str] | None) -> tuple[Any, ...]:

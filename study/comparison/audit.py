@@ -223,4 +223,4 @@ def flags_of(functions: Iterable[FunctionFinding], trajectories: Iterable[Trajec
 
 def figure(ratio: float) -> str:
     """Write a ratio as people read it: plain up to a thousand, then as a power of ten."""
-    return f"{ratio:.3g}" if ratio < 1000 else f"{ratio:.0e}".replace("e+0", "e").replace("e+", "e")
+    return f"{ratio:.3g}" if ratio < 9999.5 else f"{ratio:.0e}".replace("e+0", "e").replace("e+", "e")

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from study.comparison import ablations, audit, claims, performance, statistics, tests
+from study.comparison import ablations, audit, claims, differences, performance, statistics
 from study.comparison.contestants import (
     LEVELS,
     Contestant,
@@ -61,8 +61,8 @@ class Comparison:
     levels: Mapping[str, list[Contestant]]
     solvers: list[Contestant]
     measured: Mapping[str, list[performance.Performance]]
-    pairings: Mapping[str, list[tests.Pairing]]
-    omnibus: list[tests.Omnibus]
+    pairings: Mapping[str, list[differences.Pairing]]
+    omnibus: list[differences.Omnibus]
     functions: list[audit.FunctionFinding]
     trajectories: list[audit.TrajectoryFinding]
     ablations: list[ablations.AblationFinding]
@@ -110,7 +110,7 @@ def compare(
         store.note(FLAGS, json.dumps(flags, sort_keys=True))
     known = references(chosen, runs)
     levels = {level: contestants(runs, group, level) for level, group in cells.items()}
-    rankings = [tests.omnibus(found, known, level) for level, found in levels.items()]
+    rankings = [differences.omnibus(found, known, level) for level, found in levels.items()]
     return Comparison(
         cases,
         effort,
@@ -118,7 +118,7 @@ def compare(
         levels,
         contestants(runs, solving, "solver"),
         {level: performance.performances(found, known) for level, found in levels.items()},
-        {level: tests.pairings(found, known) for level, found in levels.items()},
+        {level: differences.pairings(found, known) for level, found in levels.items()},
         [found for found in rankings if found is not None],
         functions,
         trajectories,

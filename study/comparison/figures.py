@@ -14,9 +14,10 @@ from matplotlib.figure import Figure
 
 from study.comparison.ablations import AblationFinding
 from study.comparison.audit import ALARM, FunctionFinding, TrajectoryFinding
+from study.comparison.audit import figure as figure_text
+from study.comparison.differences import Omnibus
 from study.comparison.performance import Anytime, Distribution
 from study.comparison.tasks import CENTRED, REFLECTED
-from study.comparison.tests import Omnibus
 from study.report.drawn import DASHES, GRID, INK, MARKERS, MUTED, RC, SERIES
 from study.report.svg import themed
 
@@ -41,6 +42,12 @@ def _canvas(width: float, height: float, left: float, top: float = 10.0) -> tupl
     return figure, axes
 
 
+def _decades(axes: Axes) -> None:
+    """Label the decades of a horizontal logarithmic axis in plain digits."""
+    axes.xaxis.set_major_formatter(lambda value, _: figure_text(value))
+    axes.minorticks_off()
+
+
 def _rows(axes: Axes, names: Sequence[str]) -> None:
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.4, -0.6)
@@ -55,7 +62,7 @@ def distribution(key: str, found: Sequence[Distribution], styles: dict[str, int]
             look: dict[str, Any] = {"color": MUTED, "linewidth": 0.7} if style is None else _look(style)
             axes.step(one.costs, one.shares, where="post", **look)
         axes.set(xscale="log", xlabel="evaluations per segment", ylabel="share of targets reached", ylim=(0, 1.02))
-        axes.minorticks_off()
+        _decades(axes)
         names = ", ".join(one.planner for one in found)
         return _svg(
             figure, key, "Targets reached", f"Share of cases, runs and targets reached against evaluations for {names}."
@@ -76,7 +83,7 @@ def _look(style: int) -> dict[str, Any]:
 def anytime(key: str, case: str, found: Sequence[Anytime], reference: float, styles: dict[str, int]) -> Markup:
     """Plot the quartiles of the best objective so far, as a share above the reference, for the planners with a style."""
     with mpl.rc_context(RC):
-        figure, axes = _canvas(560, 320, 66, 24)
+        figure, axes = _canvas(560, 320, 88, 24)
         for one in (one for one in found if one.planner in styles):
             style = styles[one.planner]
             low, middle, high = np.maximum(one.values / reference - 1.0, LEAST)
@@ -95,7 +102,7 @@ def anytime(key: str, case: str, found: Sequence[Anytime], reference: float, sty
         axes.set(xscale="log", yscale="log", xlabel="evaluations", ylabel="above the best known")
         axes.set_title(case, loc="left")
         axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
-        axes.minorticks_off()
+        _decades(axes)
         names = ", ".join(one.planner for one in found if one.planner in styles)
         return _svg(figure, key, f"Anytime curves on {case}", f"Median and quartiles against evaluations for {names}.")
 
@@ -137,9 +144,9 @@ def ratios(key: str, found: Sequence[FunctionFinding]) -> Markup:
         axes.plot([max(one.shifted, 1e-3) for one in found], rows, "o", color=INK, markersize=7)
         axes.plot(diagonal, rows, "D", color=INK, markerfacecolor="none", markersize=6)
         axes.set_xscale("log")
-        axes.minorticks_off()
+        _decades(axes)
         _rows(axes, [one.search for one in found])
-        axes.set_xlabel("error ratio: dot, optimum off the origin; diamond, off the diagonal; dashed line, alarm at 10")
+        axes.set_xlabel("error ratio: dot, off the origin; diamond, off the diagonal; dashed: 10")
         return _svg(figure, key, "Error ratios", "Geometric means over functions; the numbers stand in the table.")
 
 
@@ -158,9 +165,7 @@ def views(key: str, case: str, found: Sequence[TrajectoryFinding]) -> Markup:
             )
         _rows(axes, names)
         axes.set_title(case, loc="left")
-        axes.set_xlabel(
-            f"median time against durations as they are, %: circle {REFLECTED}, square {CENTRED}; filled: significant"
-        )
+        axes.set_xlabel(f"change of the median, %: circle {REFLECTED}, square {CENTRED}; filled: significant")
         return _svg(figure, key, f"Views of {case}", "Change of the median time; the numbers stand in the table.")
 
 
@@ -187,9 +192,7 @@ def effects(key: str, title: str, found: Sequence[AblationFinding]) -> Markup:
         _rows(axes, names)
         axes.set_xlim(0, 1)
         axes.set_title(title, loc="left")
-        axes.set_xlabel(
-            "probability of a better run (A12): circle, trajectory; triangle, function; filled: significant"
-        )
+        axes.set_xlabel("A12: circle, trajectory; triangle, function; filled: significant")
         return _svg(
             figure, key, f"Ablation of {title}", "Effect sizes of the improvements; the numbers stand in the table."
         )

@@ -12,12 +12,13 @@ from study.comparison.ablations import AblationFinding
 from study.comparison.audit import FunctionFinding, TrajectoryFinding, figure
 from study.comparison.claims import Counterpart
 from study.comparison.contestants import TRIVIAL, Contestant, Reference
+from study.comparison.differences import Omnibus, Pairing
 from study.comparison.performance import Performance
 from study.comparison.records import target_name
 from study.comparison.runtime import TARGETS
 from study.comparison.sentences import less, micro, p_value
 from study.comparison.statistics import Interval
-from study.comparison.tests import Omnibus, Pairing
+from study.comparison.tasks import SHIFTED
 from study.report.wording import DASH, count, percent, seconds
 
 FLAG = "⚑"
@@ -59,6 +60,7 @@ def reference_grid(found: Iterable[Reference]) -> Grid:
         "found feasible. Targets and gaps of both formulations are shares above it.",
         ("Case", "Best known", "Found by", "Curve family", "Formulation level"),
         rows,
+        names=5,
     )
 
 
@@ -141,7 +143,7 @@ def rank_grid(found: Omnibus, flags: Mapping[str, str]) -> Grid:
 
 def function_grid(found: Sequence[FunctionFinding], flags: Mapping[str, str]) -> Grid:
     """Error ratios of every search."""
-    doses = list(found[0].doses) if found else []
+    doses = [dose for dose in found[0].doses if dose != SHIFTED] if found else []
     rows = [
         (
             name_of(one.search, flags),
@@ -261,4 +263,5 @@ def claim_grid(found: Sequence[Counterpart], flags: Mapping[str, str]) -> Grid:
         "all joints together. Ruckig may choose its own path and must stop at every waypoint.",
         head,
         rows,
+        names=len(head),
     )

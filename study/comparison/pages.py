@@ -13,10 +13,10 @@ from study.comparison import figures, grids, records, sentences
 from study.comparison.ablations import ABLATIONS, PLAIN
 from study.comparison.build import Comparison
 from study.comparison.contestants import LEVELS, TRIVIAL
+from study.comparison.differences import CONTROLS
 from study.comparison.grids import Grid
 from study.comparison.ioh import write_ioh
 from study.comparison.performance import anytime, distributions
-from study.comparison.tests import CONTROLS
 from study.errors import StudyError
 
 PAGES = {

@@ -13,9 +13,9 @@ from study.comparison.ablations import AblationFinding
 from study.comparison.audit import FunctionFinding, TrajectoryFinding
 from study.comparison.claims import Counterpart
 from study.comparison.contestants import Contestant
+from study.comparison.differences import Omnibus, Pairing
 from study.comparison.performance import Performance
 from study.comparison.runtime import TARGETS
-from study.comparison.tests import Omnibus, Pairing
 
 Record = dict[str, object]
 

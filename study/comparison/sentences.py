@@ -12,8 +12,8 @@ from study.comparison.audit import ALARM, FunctionFinding, TrajectoryFinding, fi
 from study.comparison.build import Comparison
 from study.comparison.claims import Counterpart
 from study.comparison.contestants import TRIVIAL
+from study.comparison.differences import Omnibus
 from study.comparison.performance import Performance
-from study.comparison.tests import Omnibus
 from study.report.wording import listed, percent, plural, seconds
 
 
@@ -43,10 +43,10 @@ def weakness(found: Omnibus) -> str:
     """Say what so few cases can show at all."""
     n, k = len(found.cases), len(found.planners)
     return (
-        f"The omnibus test is weak with {plural(n, 'case')}: the smallest p that Friedman's test can give here is "
-        f"{found.smallest_p:.0e} for {k} planners, yet two planners are told apart only when their mean ranks differ by "
-        f"{found.difference:.1f} of at most {k - 1}, and a signed rank test over the cases cannot give a p below "
-        f"{found.smallest_pair_p:.3g}. It gives p {p_value(found.friedman.p)}."
+        f"The omnibus test is weak with {plural(n, 'case')}. It may say that not all planners are alike (p "
+        f"{p_value(found.friedman.p)}; the smallest that it can give with {k} planners is {found.smallest_p:.0e}), but hardly which: "
+        f"two planners are told apart only when their mean ranks differ by {found.difference:.1f} of at most {k - 1}, and a "
+        f"signed rank test over the cases cannot give a p below {found.smallest_pair_p:.3g}."
     )
 
 
@@ -95,8 +95,8 @@ def trajectories_audited(found: Sequence[TrajectoryFinding]) -> str:
     flattered = len({one.search for one in depends if one.flattered})
     return (
         f"On the trajectory problems the results of {len(by_search)} of {len(names)} searches depend on how the durations are "
-        f"written ({listed(list(by_search))}); {flattered} of them are better with the durations as they are, which a pull "
-        f"to zero flatters. The largest change: {worst.search} on {worst.case} takes {seconds(worst.as_they_are)} with the "
+        f"written ({listed(list(by_search))}); {flattered} of these "
+        "with a better result for the durations as they are, which a pull to zero flatters. The largest change: {worst.search} on {worst.case} takes {seconds(worst.as_they_are)} with the "
         f"durations as they are and {seconds(worst.seen)} with them {worst.view}."
     )
 

@@ -144,6 +144,7 @@ def _index_page(reports: Sequence[CaseReport], environment: Mapping[str, str], o
             "headline": pictures,
             "legend": [(ROLES.index(role), ROLE_NAMES[role]) for role in ROLES],
             "published": _published_count(reports),
+            "compared": (out / "comparison" / "index.html").is_file(),
             "reproduced": (out / "reproduction" / "index.html").is_file(),
             "environment": environment,
         },
