@@ -131,7 +131,9 @@ def _rectangle(rows: Any, where: str) -> list[list[float]]:
     for number, row in enumerate(rows, start=1):
         if len(row) != width:
             raise StudyError(f"{where}: waypoint {number} has {len(row)} numbers, the first has {width}")
-    return list(rows) or [[]]
+    if not width:
+        raise StudyError(f"{where}: there are no waypoints; give at least two, one row for each")
+    return list(rows)
 
 
 def _names(file: OwnCase, rows: WaypointRows | None, read: Mapping[str, OneJoint], where: str) -> tuple[str, ...]:
@@ -143,6 +145,8 @@ def _names(file: OwnCase, rows: WaypointRows | None, read: Mapping[str, OneJoint
             f"{where}: the limits name {len(read)} joints ({', '.join(read)}), the waypoints have {width} columns without "
             "names; list the columns' names under 'joints'"
         )
+    if names and not (rows and rows.names) and len(names) != width:
+        raise StudyError(f"{where}: {len(names)} joint names for {width} columns of waypoints; name every column")
     if len(set(names)) != len(names):
         raise StudyError(f"{where}: two joints have the same name: {', '.join(names)}; rename one")
     absent = [name for name in names if name not in read] if read else []
@@ -186,7 +190,10 @@ def _limits(own: OwnLimits, read: Sequence[OneJoint], factors: Floats, where: st
     rates = {name: _laid_over(getattr(own, name), name, read, factors, where) for name in _RATES}
     span = (own.position.lower, own.position.upper) if own.position else (None, None)
     ends = [_laid_over(given, name, read, factors, where) for given, name in zip(span, ("lower", "upper"), strict=True)]
-    return JointLimits(**rates, lower=ends[0], upper=ends[1])
+    try:
+        return JointLimits(**rates, lower=ends[0], upper=ends[1])
+    except StudyError as error:
+        raise StudyError(f"{where}: {error}") from None
 
 
 def _laid_over(given: Any, name: str, read: Sequence[OneJoint], factors: Floats, where: str) -> Floats:

@@ -1,0 +1,241 @@
+"""`plan` and `compare` from Python, and the commands for one's own robot."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import study
+from study import Comparison, EndCondition, JointLimits, Planned, Problem, StudyError, compare, judge, plan
+from study.api import automatic
+from study.io.exact import read_exact
+from tests.test_io_limits import MOVEIT
+
+FOUR = np.array([[0.0, 0.2], [0.5, -0.1], [0.9, 0.3], [1.4, 0.1]])
+V, A, J = np.array([1.0, 0.8]), np.array([2.0, 1.5]), np.array([20.0, 15.0])
+
+
+@pytest.mark.parametrize(
+    ("limits", "first", "reason"),
+    [
+        (JointLimits(V), "free-path-nlp", "only velocities are limited"),
+        (JointLimits(V, A), "free-path-nlp", "acceleration is limited and jerk is not"),
+        (JointLimits(V, A, J), "free-path-nlp", "jerk is limited"),
+    ],
+)
+def test_auto_picks_by_the_limits_that_exist(limits, first, reason):
+    planned = plan(Problem("mine", FOUR, limits))
+    assert planned.planner == first
+    assert reason in planned.why
+    assert planned.feasible
+    assert planned.verdict.worst_ratio == pytest.approx(1.0, abs=1e-6)
+    assert judge(planned.problem, planned.motion).duration == planned.duration
+
+
+def test_auto_goes_on_where_a_range_of_positions_is_left():
+    waypoints = np.array([[0.0], [1.0], [1.0 - 1e-3], [0.0]])
+    limits = JointLimits(np.array([1.0]), np.array([1.0]), np.array([5.0]), np.array([0.0]), np.array([1.0]))
+    planned = plan(Problem("tight", waypoints, limits))
+    assert planned.feasible
+    assert len(planned.tried) > 1
+    assert "leaves its range of positions" in "; ".join(planned.tried[0][2].verdict.reasons)
+
+
+def test_only_limits_of_joints_that_move_count():
+    waypoints = np.column_stack([FOUR, np.zeros(4)])
+    limits = JointLimits(np.ones(3), np.array([np.inf, np.inf, 1.0]))
+    assert [name for name, _ in automatic(Problem("still", waypoints, limits))] == ["free-path-nlp", "ruckig-stops"]
+
+
+def test_a_planner_can_be_named_and_its_failure_has_a_reason():
+    planned = plan(Problem("mine", FOUR, JointLimits(V)), "toppra")
+    assert not planned.feasible
+    assert planned.duration == np.inf
+    assert "no acceleration limit" in planned.reason
+    with pytest.raises(StudyError, match="no acceleration limit"):
+        _ = planned.motion
+    with pytest.raises(StudyError, match="no acceleration limit"):
+        _ = planned.verdict
+    with pytest.raises(StudyError, match="did you mean 'toppra'"):
+        plan(planned.problem, "topra")
+
+
+def test_compare_ranks_feasible_motions_first():
+    comparison = compare(
+        Problem("mine", FOUR, JointLimits(V, A, J)), ["toppra", "ruckig-stops", "golds-pso", "casadi-nlp"], seeds=2
+    )
+    assert [result.cell.planner for result in comparison.results][-1] == "toppra"
+    assert comparison.best.cell.planner == "casadi-nlp"
+    durations = [r.verdict.duration for r in comparison.results if r.verdict.feasible]
+    assert durations == sorted(durations)
+    assert len(str(comparison).splitlines()) == 5
+    assert {r.cell.settings.seed for r in comparison.results if r.cell.planner == "golds-pso"} == {0, 1}
+
+
+def test_compare_needs_something_to_compare():
+    problem = Problem("mine", FOUR, JointLimits(V))
+    for arguments in ({"planners": []}, {"seeds": 0}):
+        with pytest.raises(StudyError, match="at least one planner and one seed"):
+            compare(problem, **arguments)
+    with pytest.raises(StudyError, match="no planner 'nonsense'"):
+        compare(problem, ["nonsense"])
+    assert compare(problem, ["toppra"]).best is None
+
+
+def test_duration_bounds_follow_the_problem():
+    for scale in (1e-6, 1.0, 3600.0):
+        limits = JointLimits(V, A, J).scaled(scale)
+        problem = Problem("scaled", FOUR, limits)
+        lower, upper = problem.duration_bounds
+        assert lower == pytest.approx(0.5 * scale)
+        fastest = np.diff(plan(problem).motion.waypoint_times)
+        assert (fastest >= lower).all()
+        assert (fastest <= upper).all()
+
+
+def test_everything_exported_is_documented_and_typed():
+    for name in study.__all__:
+        assert getattr(study, name).__doc__, name
+    assert {"Problem", "plan", "compare", "judge", "Trajectory"} <= set(study.__all__)
+    assert (Path(study.__file__).parent / "py.typed").exists()
+    assert Planned.__doc__
+    assert Comparison.__doc__
+
+
+WITHOUT = """
+import importlib.abc, sys
+class Missing(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name.partition(".")[0] not in {allowed!r} and name.partition(".")[0] in {known!r}:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+sys.meta_path.insert(0, Missing())
+"""
+KNOWN = {"pydantic", "yaml", "typer", "rich", "toppra", "ruckig", "rerun", "matplotlib", "pandas", "pyarrow", "jinja2"}
+
+
+def without_packages(code):
+    blocked = WITHOUT.format(allowed=set(), known=KNOWN)
+    return subprocess.run([sys.executable, "-c", blocked + code], capture_output=True, text=True, timeout=60)
+
+
+def test_numpy_scipy_and_casadi_are_enough_for_python():
+    code = """
+import numpy as np
+from study import JointLimits, Problem, compare, plan
+problem = Problem("mine", np.array([[0.0, 0], [1, 1], [0.5, 2]]), JointLimits(np.ones(2), 2 * np.ones(2)))
+print(plan(problem).duration, plan(problem, "ruckig-stops").reason, compare(problem), sep="\\n")
+"""
+    ended = without_packages(code)
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout.startswith("2.59")
+    assert "need the package 'ruckig', which is not installed; install it with: pip install ruckig" in ended.stdout
+
+
+def test_the_command_says_what_it_lacks():
+    ended = without_packages("from study.__main__ import main; main()")
+    assert ended.returncode == 2
+    assert ended.stderr.startswith("study: the command needs the Python package 'typer', which is not installed")
+    assert ended.stderr.count("\n") == 1
+
+
+@pytest.fixture
+def small(tmp_path):
+    path = tmp_path / "small.yaml"
+    path.write_text(
+        "units: rad\nwaypoints: [[0.0, 0.2], [0.5, -0.1], [0.9, 0.3], [1.4, 0.1]]\n"
+        "limits: {velocity: [1.0, 0.8], acceleration: [2.0, 1.5]}\n"
+    )
+    return path
+
+
+def test_init_check_plan(tmp_path, study_command):
+    ended = study_command("init", cwd=tmp_path)
+    assert ended.returncode == 0
+    again = study_command("init", cwd=tmp_path)
+    assert again.returncode == 2
+    assert again.stderr == "study: file 'my_case.yaml' exists already; name another one or move it away\n"
+    checked = study_command("check", "my_case.yaml", cwd=tmp_path)
+    assert "planner auto takes free-path-nlp: jerk is limited" in checked.stdout
+    assert "the case is complete" in checked.stdout
+    planned = study_command("plan", "my_case.yaml", "--planner", "casadi-nlp", "--rate", 50, cwd=tmp_path)
+    assert planned.returncode == 0, planned.stderr
+    written = {path.name for path in (tmp_path / "study-output" / "trajectories").iterdir()}
+    assert written == {"my_case.yaml", "my_case.csv", "my_case.npz", "my_case.exact.json"}
+    for name in ("my_case.csv", "my_case.exact.json"):
+        judged = study_command("check", f"study-output/trajectories/{name}", "--case", "my_case.yaml", cwd=tmp_path)
+        assert "duration 3.3538" in judged.stdout
+    assert judged.returncode == 0
+    assert "feasible" in judged.stdout
+
+
+def test_plan_says_why_and_saves_where_told(small, study_command, tmp_path):
+    ended = study_command("plan", small, "--save", tmp_path / "a.csv", "--save", tmp_path / "b.exact.json")
+    assert ended.returncode == 0, ended.stderr
+    assert "planner free-path-nlp: acceleration is limited and jerk is not" in ended.stdout
+    assert read_exact(tmp_path / "b.exact.json").duration == pytest.approx(2.62, rel=0.05)
+
+
+def test_plan_ends_with_3_where_there_is_no_feasible_motion(small, study_command):
+    small.write_text(small.read_text().replace("acceleration: [2.0, 1.5]", "acceleration: 2.0, jerk: 1.0"))
+    ended = study_command("plan", small, "--planner", "toppra")
+    assert ended.returncode == 3
+    assert "no feasible motion: jerk of joint" in ended.stdout
+    assert ended.stderr == "study: case 'small': no feasible motion was found; the reasons are above\n"
+
+
+def test_compare_leaves_trajectory_and_results(small, study_command, tmp_path):
+    arguments = ["compare", small, "--planners", "casadi-nlp,ruckig-stops", "--no-report", "--out", tmp_path / "out"]
+    ended = study_command(*arguments)
+    assert ended.returncode == 0, ended.stderr
+    assert "fastest feasible: ruckig-stops" in ended.stdout
+    message = yaml.safe_load((tmp_path / "out" / "trajectories" / "small.yaml").read_text())
+    assert message["points"][-1]["velocities"] == pytest.approx([0, 0], abs=1e-9)
+    assert "2 cells, 2 of them stored already" in study_command(*arguments).stdout
+
+
+def test_waypoints_alone_with_limits_from_a_robots_files(study_command, tmp_path):
+    (tmp_path / "joint_limits.yaml").write_text(MOVEIT)
+    (tmp_path / "points.csv").write_text("panda_joint1;joint <2>\r\n0;0\r\n30;40,5\r\n60;0\r\n")
+    arguments = ["points.csv", "--limits", "joint_limits.yaml", "--units", "deg"]
+    ended = study_command("plan", *arguments, "--save", "out.json", cwd=tmp_path)
+    assert ended.returncode == 0, ended.stderr
+    assert json.loads((tmp_path / "out.json").read_text())["joint_names"] == ["panda_joint1", "joint <2>"]
+    compared = study_command("compare", *arguments, "--planners", "ruckig-stops", "--no-report", cwd=tmp_path)
+    assert compared.returncode == 0, compared.stderr
+    assert study_command("report", cwd=tmp_path).returncode == 0
+    bare = study_command("plan", "points.csv", cwd=tmp_path)
+    assert bare.returncode == 2
+    assert "holds waypoints only; add --limits" in bare.stderr
+
+
+def test_a_mistake_is_one_sentence_and_exit_code_2(small, study_command, tmp_path):
+    for arguments, sentence in {
+        ("plan", "nothing.yaml"): "does not exist",
+        ("check", "samples.csv"): "name the case that it solves with --case",
+        ("plan", small, "--units", "deg"): "go with a file of waypoints alone",
+        ("plan", small, "--planner", "nonsense"): "no planner 'nonsense'",
+        ("plan", small, "--save", "a.mat"): "must end in one of",
+        ("compare", small, "--seeds", "0"): "number of seeds must be at least 1",
+    }.items():
+        ended = study_command(*arguments, cwd=tmp_path)
+        assert ended.returncode == 2, arguments
+        assert sentence in ended.stderr
+        assert ended.stderr.count("\n") == 1
+
+
+def test_the_schema_is_printed_as_json(study_command):
+    printed = json.loads(study_command("schema").stdout)
+    assert {"units", "waypoints", "limits"} <= set(printed["properties"])
+    assert "from" in json.dumps(printed)
+
+
+def test_end_condition_decides_the_curve():
+    from study.experiment.execution import usual_curve
+
+    problems = {end: Problem("p", FOUR, JointLimits(V, A, J), end) for end in EndCondition}
+    assert [usual_curve(problems[end]) for end in EndCondition] == ["cubic-spline", "cubic-spline", "poly353"]
+    assert usual_curve(Problem("p", FOUR[:3], JointLimits(V, A, J), EndCondition.SMOOTH)) == "cubic-spline-smooth"
