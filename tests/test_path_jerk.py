@@ -1,0 +1,81 @@
+"""Third-order path parameterization: ours, COPP's where it is installed, and what both owe to TOPP-RA."""
+
+import numpy as np
+import pytest
+
+from baselines.copp_retiming import Copp, driven
+from baselines.topp3_nlp import Topp3NLP
+from baselines.toppra_retiming import Toppra, chord_path, grid
+from study import EndCondition, JointLimits, Problem, judge
+from study.planning import RunSettings, Status
+
+SETTINGS = RunSettings("cubic-spline")
+POINTS = np.array([[0.0, 0.3], [0.8, -0.2], [1.1, 0.6], [0.2, 1.0]])
+
+
+def problem(jerk=8.0, end=EndCondition.REST):
+    return Problem("p", POINTS, JointLimits([1.0, 1.2], [2.0, 2.5], [jerk, jerk]), end)
+
+
+def curvature_free_path(motion, case):
+    """Largest distance between the motion's positions and the chord path, both sampled densely."""
+    path = chord_path(case.waypoints, case.limits)
+    points = path.at(np.linspace(0, path.knots[-1], 20_001))[:, 0]
+    found = motion(np.linspace(0, motion.duration, 301))
+    return np.sqrt(((found[:, None] - points) ** 2).sum(axis=2)).min(axis=1).max()
+
+
+@pytest.mark.parametrize("end", [EndCondition.REST, EndCondition.SMOOTH])
+def test_the_motion_is_feasible_and_stays_on_the_path(end):
+    case = problem(end=end)
+    plan = Topp3NLP().plan(case, SETTINGS)
+    verdict = judge(case, plan.motion)
+    assert plan.status is Status.FINISHED
+    assert verdict.feasible
+    assert verdict.continuity >= 2
+    assert curvature_free_path(plan.motion, case) < 1e-3
+
+
+def test_more_pieces_never_lengthen_and_toppra_is_faster_than_any_jerk_limit():
+    """A looser jerk limit gains to within a per cent only: the solver is local."""
+    tight = Topp3NLP().plan(problem(8.0), SETTINGS).motion.duration
+    finer = Topp3NLP(halvings=2).plan(problem(8.0), SETTINGS).motion.duration
+    loose = Topp3NLP(halvings=2).plan(problem(80.0), SETTINGS).motion.duration
+    second_order = Toppra().plan(problem(80.0), SETTINGS).motion.duration
+    assert finer <= tight * (1 + 1e-4)
+    assert second_order * (1 - 1e-4) < loose < finer * 1.01
+    assert loose < second_order * 1.15
+
+
+def test_scaled_limits_scale_the_duration():
+    base = Topp3NLP().plan(problem(), SETTINGS).motion.duration
+    case = problem()
+    slow = Problem("slow", POINTS, case.limits.scaled(2.0))
+    assert Topp3NLP().plan(slow, SETTINGS).motion.duration == pytest.approx(2 * base, rel=1e-4)
+
+
+def test_not_applicable_without_a_jerk_limit():
+    free = Problem("p", POINTS, JointLimits([1.0, 1.0], [2.0, 2.0]))
+    for planner in (Topp3NLP(), Copp()):
+        pytest.importorskip("copp_py") if isinstance(planner, Copp) else None
+        assert planner.plan(free, SETTINGS).status is Status.NOT_APPLICABLE
+
+
+def test_driving_a_path_at_constant_speed_is_the_path():
+    case = problem()
+    path = chord_path(case.waypoints, case.limits)
+    points = grid(path, 4)
+    states = np.stack([points, np.full_like(points, 0.5), np.zeros_like(points)], axis=1)
+    motion = driven(path, points / 0.5, states, np.full(3, 4))
+    t = np.linspace(0, motion.duration, 50)
+    assert motion(t) == pytest.approx(path.at(0.5 * t)[:, 0], abs=1e-12)
+    assert motion(motion.waypoint_times) == pytest.approx(case.waypoints, abs=1e-12)
+
+
+def test_copp_is_feasible_on_the_same_path_and_not_faster():
+    pytest.importorskip("copp_py", reason="the extra `copp` is not installed")
+    case = problem()
+    plan = Copp().plan(case, SETTINGS)
+    assert judge(case, plan.motion).feasible
+    assert curvature_free_path(plan.motion, case) < 1e-3
+    assert plan.motion.duration > Topp3NLP(halvings=2).plan(case, SETTINGS).motion.duration
