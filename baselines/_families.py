@@ -24,7 +24,8 @@ def limited_orders(problem: Problem) -> tuple[int, ...]:
 
 def shortest_of(problem: Problem) -> float:
     """Lower bound on every duration, s; never quite zero, for a segment without a duration has no motion."""
-    return max(problem.duration_bounds[0], 1e-6)
+    lower, upper = problem.duration_bounds
+    return max(lower, min(1e-6, 1e-7 * upper))
 
 
 def flat(array: Floats) -> Floats:

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from study.errors import StudyError
-from study.problem import Floats, JointLimits, Problem
+from study.problem import Floats, JointLimits, Problem, usual_bounds
 from study.trajectory import Trajectory
 
 MERGE = 1e-12
@@ -179,6 +179,24 @@ def chain(problem: Problem, states: Sequence[State]) -> Trajectory:
     if not widths:
         raise StudyError(f"case {problem.name!r}: all waypoints are equal, so there is nothing to move")
     return Trajectory.from_pieces(np.concatenate(widths), np.concatenate(coefficients), np.array(counts))
+
+
+def in_own_time(problem: Problem) -> tuple[Problem, float]:
+    """Measure time in a unit in which moves take seconds: Ruckig's tolerances are absolute, and it refuses hours.
+
+    Returns
+    -------
+    problem : Problem
+        The same one with limits per unit; its motions, scaled by the unit, are the given problem's.
+    unit : float, s
+        A power of two, so that scaling is exact; 1 for moves between hundredths of a second and a quarter of an hour.
+    """
+    longest = usual_bounds(problem.waypoints, problem.limits)[1] / 10
+    if 1e-2 < longest < 1e3:
+        return problem, 1.0
+    unit = float(2.0 ** np.round(np.log2(longest)))
+    low, high = problem.duration_bounds
+    return replace(problem, limits=problem.limits.scaled(1 / unit), duration_bounds=(low / unit, high / unit)), unit
 
 
 def _stands_still(start: State, end: State) -> bool:

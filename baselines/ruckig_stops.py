@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from baselines.ruckig_moves import at_rest, chain, ruckig_module
+from baselines.ruckig_moves import at_rest, chain, in_own_time, ruckig_module
 from study.errors import StudyError
 from study.planning import Plan, RunSettings, Status
 from study.problem import Problem
@@ -30,7 +30,8 @@ def ruckig_stops(problem: Problem) -> Trajectory:
     StudyError
         If the package is missing, no joint moves, or a joint that moves has no limit at all.
     """
-    return chain(problem, [at_rest(row) for row in problem.waypoints])
+    problem, unit = in_own_time(problem)
+    return chain(problem, [at_rest(row) for row in problem.waypoints]).scaled(unit)
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from scipy.optimize import linprog
 
 from baselines._via_times import Model, Passing, Timing
 from baselines.free_path_nlp import free_path
-from baselines.ruckig_moves import at_rest, chain, ruckig_module
+from baselines.ruckig_moves import at_rest, chain, in_own_time, ruckig_module
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import Plan, RunSettings, Status
@@ -169,17 +169,19 @@ def ruckig_via(
     StudyError
         If Ruckig or CasADi is missing, no joint moves, or Ruckig finds no move from stop to stop.
     """
+    problem, unit = in_own_time(problem)
     found = [chain(problem, [at_rest(row) for row in problem.waypoints])]
     passing, done = Passing.of(problem), 0
     if not passing.free.any():
-        return found[0], 0
+        return found[0].scaled(unit), 0
     timing, deadline = Timing(passing), time.monotonic() + time_limit
     for start in starts(timing, pieces, time_limit / 2):
         x, total, count = improve(timing, start, deadline, rounds)
         done += count
         if np.isfinite(total):
             found.append(chain(problem, passing.states(x)))
-    return min(found, key=lambda motion: (not judge(problem, motion).feasible, motion.duration)), done
+    best = min(found, key=lambda motion: (not judge(problem, motion).feasible, motion.duration))
+    return best.scaled(unit), done
 
 
 @dataclass(frozen=True)
