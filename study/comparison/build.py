@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +22,7 @@ from study.comparison.contestants import (
 from study.comparison.effort import Effort
 from study.comparison.trials import Job, TrialStore, run_jobs
 from study.experiment.cases import Case
+from study.experiment.pool import WorkerPool
 from study.experiment.results import Cell, Result
 from study.experiment.runner import default_jobs, run_cells
 from study.experiment.store import Store
@@ -102,8 +105,8 @@ def compare(
     wanted = list(dict.fromkeys([*own, *solving, *(cell for group in cells.values() for cell in group)]))
     runs = _planned(wanted, cases, store_path, jobs, progress)
     parts = trial_jobs(chosen, effort)
-    with TrialStore(store_path) as store:
-        outcomes = {name: _tried(name, part, store, jobs, progress) for name, part in parts.items()}
+    with TrialStore(store_path) as store, _pool(jobs) as pool:
+        outcomes = {name: _tried(name, part, store, pool, progress) for name, part in parts.items()}
         functions = audit.function_findings(outcomes["functions"])
         trajectories = audit.trajectory_findings(outcomes["trajectories"])
         flags = audit.flags_of(functions, trajectories)
@@ -177,9 +180,7 @@ def _planned(
         return {result.cell: result for result in store.results(cells)}
 
 
-def _tried(
-    name: str, jobs: Sequence[Job], store: TrialStore, workers: int | None, progress: Progress
-) -> audit.Outcomes:
+def _tried(name: str, jobs: Sequence[Job], store: TrialStore, pool: Executor, progress: Progress) -> audit.Outcomes:
     done = len(store.outcomes(jobs))
 
     def finished(count: int) -> None:
@@ -188,7 +189,17 @@ def _tried(
         progress(name, done, len(jobs))
 
     progress(name, done, len(jobs))
-    return run_jobs(jobs, store, default_jobs() if workers is None else workers, finished)
+    return run_jobs(jobs, store, pool, finished)
+
+
+@contextmanager
+def _pool(jobs: int | None) -> Iterator[Executor]:
+    """Worker processes, started when first needed and ended at once, whatever ends the block."""
+    pool = WorkerPool(default_jobs() if jobs is None else jobs)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def _failures(outcomes: Iterable[audit.Outcomes]) -> dict[str, int]:

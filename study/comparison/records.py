@@ -192,7 +192,7 @@ def claim_records(found: Sequence[Counterpart]) -> list[Record]:
 def write_tables(folder: Path, tables: Mapping[str, Sequence[Record]]) -> None:
     """Write every table as CSV and Parquet into a folder that exists."""
     for name, records in tables.items():
-        frame = pd.DataFrame.from_records(list(records)).convert_dtypes(convert_floating=False)
+        frame = pd.DataFrame.from_records(list(records))
         frame.to_csv(folder / f"{name}.csv", index=False, lineterminator="\n")
         frame.to_parquet(folder / f"{name}.parquet", index=False)
 

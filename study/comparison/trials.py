@@ -17,7 +17,6 @@ import numpy as np
 
 from study.comparison.tasks import Task, function_task, trajectory_task
 from study.experiment.codec import canonical, problem_content
-from study.experiment.pool import WorkerPool
 from study.experiment.store import Store
 from study.experiment.storefile import explained, locked
 from study.planning import Meter
@@ -210,9 +209,8 @@ class TrialStore:
 def run_jobs(
     jobs: Sequence[Job],
     store: TrialStore,
-    n_workers: int,
+    executor: Executor,
     on_done: Callable[[int], None] = lambda count: None,
-    executor: Executor | None = None,
 ) -> Mapping[Trial, Outcome]:
     """Run the jobs that are not stored yet, and return the outcomes of all.
 
@@ -221,27 +219,20 @@ def run_jobs(
     jobs : sequence of Job
     store : TrialStore
         Written as every chunk finishes.
-    n_workers : int
+    executor : concurrent.futures.Executor
     on_done : callable (n_finished)
         Told of every chunk.
-    executor : concurrent.futures.Executor, optional
-        A pool of processes of its own by default.
     """
     stored = store.outcomes(jobs)
     missing = list({job.key: job for job in jobs if job.trial not in stored}.values())
     if not missing:
         return stored
     chunks = [missing[i : i + CHUNK] for i in range(0, len(missing), CHUNK)]
-    pool = executor or WorkerPool(min(n_workers, len(chunks)))
-    try:
-        running = {pool.submit(_run_all, chunk): chunk for chunk in chunks}
-        while running:
-            done, _ = wait(running, return_when=FIRST_COMPLETED)
-            for future in done:
-                chunk = running.pop(future)
-                store.add(chunk, future.result())
-                on_done(len(chunk))
-    finally:
-        if executor is None:
-            pool.shutdown(cancel_futures=True)
+    running = {executor.submit(_run_all, chunk): chunk for chunk in chunks}
+    while running:
+        done, _ = wait(running, return_when=FIRST_COMPLETED)
+        for future in done:
+            chunk = running.pop(future)
+            store.add(chunk, future.result())
+            on_done(len(chunk))
     return store.outcomes(jobs)

@@ -1,0 +1,219 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from study.comparison import ablations, audit, tasks
+from study.comparison.audit import FunctionFinding, TrajectoryFinding
+from study.comparison.effort import QUICK
+from study.comparison.trials import Job, Outcome, Trial, run_trial
+from study.curves import curve_named
+from study.errors import StudyError
+from study.experiment.cases import load_case
+from study.formulation import Scaled
+from study.search.random_search import RandomSearch
+from study.search.smwoa import SMWOA
+from study.search.woa import WOA
+
+WOODWORKING = load_case("woodworking")
+SMALL = replace(
+    QUICK,
+    functions=("sphere", "ackley"),
+    dosed=("sphere",),
+    dimensions=8,
+    generations=120,
+    function_seeds=4,
+    trial_seeds=3,
+)
+
+
+@pytest.mark.parametrize("view", tasks.FUNCTION_VIEWS)
+def test_every_view_of_a_function_keeps_its_minimum_in_the_box(view):
+    task = tasks.function_task("rastrigin", 6, view, seed=3)
+    where = _minimiser(view)
+    assert ((task.box.lower <= where) & (where <= task.box.upper)).all()
+    assert task.objective(where[None])[0] == pytest.approx(task.minimum, abs=1e-9)
+
+
+def _minimiser(view, seed=3):
+    """Minimiser of a view, found from a sphere in the same view: rotation keeps it."""
+    task = tasks.function_task("sphere", 6, view, seed)
+    eye = np.eye(6)
+    zero = task.objective(np.zeros((1, 6)))[0]
+    slope = (task.objective(eye) - task.objective(-eye)) / 2
+    half = 100.0  # of the sphere's box; shifts are shares of it
+    curvature = (task.objective(eye) + task.objective(-eye)) / 2 - zero
+    return -slope / 2 / curvature / half * 5.12
+
+
+def test_shifts_differ_per_coordinate_and_grow_with_the_dose():
+    sizes = []
+    for view, dose in tasks.DOSES.items():
+        shares = np.abs(_minimiser(view)) / 5.12
+        assert len(set(np.round(shares / dose, 4))) == 6
+        assert (shares <= dose * (1 + 1e-6)).all()
+        assert (shares >= 0.25 * dose * (1 - 1e-3)).all()
+        sizes.append(shares.max())
+    assert sizes == sorted(sizes)
+    assert not _minimiser(tasks.ORIGIN).any()
+
+
+def test_the_diagonal_test_keeps_the_distance():
+    on, off = _minimiser(tasks.DIAGONAL), _minimiser(tasks.OFF_DIAGONAL)
+    assert np.ptp(on) == pytest.approx(0.0, abs=1e-9)
+    assert np.abs(off) == pytest.approx(np.abs(on))
+    assert np.ptp(off) > 1.0
+
+
+def test_views_of_durations_are_the_same_problem():
+    problem = WOODWORKING.problem
+    lo, hi = problem.duration_bounds
+    t = np.random.default_rng(0).uniform(lo, hi, (20, 3))
+    direct = Scaled(problem, curve_named("poly353"))(t)
+    seen = {view: tasks.trajectory_task(problem, "poly353", "scaled", view) for view in tasks.TRAJECTORY_VIEWS}
+    assert seen[tasks.AS_IT_IS].objective(t) == pytest.approx(direct, rel=1e-12)
+    assert seen[tasks.REFLECTED].objective(lo + hi - t) == pytest.approx(direct, rel=1e-12)
+    assert seen[tasks.CENTRED].objective(t - (lo + hi) / 2) == pytest.approx(direct, rel=1e-12)
+    assert seen[tasks.CENTRED].box.lower == pytest.approx(-seen[tasks.CENTRED].box.upper)
+
+
+def test_unknown_views_and_functions_are_named():
+    with pytest.raises(StudyError, match="no function for the audit 'spere'; did you mean 'sphere'"):
+        tasks.function_task("spere", 3, tasks.ORIGIN, 0)
+    with pytest.raises(StudyError, match="no view of a function"):
+        tasks.function_task("sphere", 3, "sideways", 0)
+    with pytest.raises(StudyError, match="no view of the durations"):
+        tasks.trajectory_task(WOODWORKING.problem, "poly353", "scaled", "sideways")
+
+
+def test_error_ratio_and_geometric_mean_by_hand():
+    assert audit.error_ratio(np.array([2.0, 4.0]), np.array([1.0, 0.0])) == 6.0
+    assert audit.error_ratio(np.array([0.0]), np.array([1e-20])) == 1.0
+    assert audit.error_ratio(np.array([1e-3]), np.array([0.0])) == pytest.approx(1e5)
+    assert audit.geometric_mean([1.0, 100.0]) == pytest.approx(10.0)
+
+
+def _outcomes(values):
+    return {
+        Trial(search, task, view, seed, 10, 5, 3): Outcome(value, "", 0.0)
+        for (search, task, view), several in values.items()
+        for seed, value in enumerate(several)
+    }
+
+
+def test_function_findings_by_hand():
+    found = audit.function_findings(
+        _outcomes(
+            {
+                ("a", "f", tasks.ORIGIN): [1.0, 3.0], ("a", "f", tasks.SHIFTED): [200.0, 600.0],
+                ("a", "g", tasks.ORIGIN): [1.0], ("a", "g", tasks.SHIFTED): [1.0],
+                ("b", "f", tasks.ORIGIN): [2.0], ("b", "f", tasks.SHIFTED): [1.0],
+            }
+        )
+    )  # fmt: skip
+    assert [one.search for one in found] == ["a", "b"]
+    assert found[0].by_function == {"f": 200.0, "g": 1.0}
+    assert found[0].shifted == pytest.approx(200**0.5)
+    assert found[1].shifted == 0.5
+    assert list(audit.flags_of(found, [])) == ["a"]
+
+
+def test_flags_name_the_view_that_matters():
+    functions = [FunctionFinding("a", {}, 2.0, 99.0, {}, 20.0), FunctionFinding("b", {}, 2.0, 2.0, {}, 2.0)]
+    seen = [
+        TrajectoryFinding("b", "case-1", "penalty", tasks.REFLECTED, 5.0, 6.0, 0.9, 0.01),
+        TrajectoryFinding("c", "case-1", "penalty", tasks.REFLECTED, 5.0, 6.0, 0.9, 0.06),
+        TrajectoryFinding("c", "case-1", "penalty", tasks.CENTRED, 5.0, 5.1, 0.6, 0.01),
+    ]
+    flags = audit.flags_of(functions, seen)
+    assert flags.keys() == {"a", "b"}
+    assert "leaves the diagonal" in flags["a"]
+    assert "case-1" in flags["b"]
+
+
+def test_the_audit_flags_those_that_contract_and_not_the_standard_ones():
+    every = audit.audited_searches(printed=False)
+    biased, sound = {"gold-sa", "golds-pso", "simple-pso", "woa", "ssa"}, {"pso", "de", "random-search"}
+    jobs = audit.function_jobs({name: every[name] for name in biased | sound}, SMALL)
+    found = audit.function_findings(
+        {job.trial: run_trial(job) for job in jobs if job.trial.view in ("origin", "shifted")}
+    )
+    ratios = {one.search: one.shifted for one in found}
+    assert {name for name, ratio in ratios.items() if ratio > audit.ALARM} == biased
+
+
+def test_random_search_is_blind_to_the_view_up_to_rounding():
+    jobs = audit.trajectory_jobs({"r": RandomSearch()}, [WOODWORKING], SMALL, ["scaled"])
+    values = audit.grouped({job.trial: run_trial(job) for job in jobs})
+    same = [values["r", "woodworking", "scaled", view] for view in (tasks.AS_IT_IS, tasks.CENTRED)]
+    assert same[0] == pytest.approx(same[1], rel=1e-9)
+
+
+def test_a_trial_repeats_and_its_key_follows_its_content():
+    trial = Trial("woa", "sphere", tasks.SHIFTED, 1, 100, 10, 4)
+    job = Job(trial, WOA())
+    assert run_trial(job).value == run_trial(job).value
+    assert job.key == Job(replace(trial, search="another name"), WOA()).key
+    others = [
+        Job(trial, WOA(spiral=2.0)),
+        Job(replace(trial, seed=2), WOA()),
+        Job(replace(trial, view="origin"), WOA()),
+    ]
+    assert len({job.key, *(other.key for other in others)}) == 4
+
+
+def test_a_search_that_breaks_down_is_a_record():
+    outcome = run_trial(Job(Trial("de", "sphere", tasks.ORIGIN, 0, 20, 2, 3), audit.audited_searches(False)["de"]))
+    assert outcome.value == np.inf
+    assert outcome.reason.startswith("StudyError")
+
+
+def test_ablations_switch_one_thing_at_a_time():
+    assert {one.paper for one in ablations.ABLATIONS} == {load_case(n).paper for n in _papers_cases()}
+    for one in ablations.ABLATIONS:
+        plain = vars(one.forms[ablations.PLAIN])
+        changed = {
+            name: {field for field, value in vars(search).items() if value != plain[field]}
+            for name, search in one.forms.items()
+        }
+        singles = [fields for name, fields in changed.items() if name not in (ablations.PLAIN, ablations.WHOLE)]
+        assert len(singles) >= 3
+        assert all(len(fields) == 1 for fields in singles)
+        assert changed[ablations.WHOLE] <= set().union(*singles)
+
+
+def _papers_cases():
+    return ("woodworking", "aubo-i5", "ur5-bspline", "ur5-helix", "puma560")
+
+
+def test_plain_smwoa_is_woa():
+    trial = Trial("", "sphere", tasks.SHIFTED, 2, 400, 20, 5)
+    smwoa = next(one for one in ablations.ABLATIONS if one.title == "SMWOA").forms[ablations.PLAIN]
+    assert isinstance(smwoa, SMWOA)
+    assert run_trial(Job(trial, smwoa)).value == run_trial(Job(trial, WOA())).value
+
+
+def _ablation(values):
+    return ablations.ablation_findings(
+        {
+            Trial(f"ur5-smwoa: {form}", "case", tasks.AS_IT_IS, seed, 10, 5, formulation="penalty"): Outcome(
+                value, "", 0.0
+            )
+            for form, several in values.items()
+            for seed, value in enumerate(several)
+        }
+    )
+
+
+def test_ablation_findings_by_hand():
+    plain = [10.0 + 0.1 * k for k in range(10)]
+    found = {
+        one.improvement: one
+        for one in _ablation({"plain": plain, "arctanh a": [x - 5 for x in plain], "oscillation": plain})
+    }
+    helps, nothing = found["arctanh a"], found["oscillation"]
+    assert helps.a12 == 1.0
+    assert helps.difference.estimate == pytest.approx(-5 / 10.45)
+    assert helps.p == pytest.approx(2 * 2 / 2**10)  # two forms on the task
+    assert helps.effect == "helps"
+    assert (nothing.a12, nothing.p, nothing.effect) == (0.5, 1.0, "none")
