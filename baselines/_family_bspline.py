@@ -26,8 +26,8 @@ from baselines._families import shortest_of, slot_symbols, slot_values, stacked
 from baselines._transcription import Rows, Scales, ca
 from study import polynomial
 from study.curves import bspline
+from study.parametric import rational_candidates, rational_rate
 from study.problem import Floats, Problem
-from study.trajectory import rational_candidates, rational_rate
 
 SLOWEST = 1e-9
 """Smallest t' allowed, in units of the mean duration: time must increase strictly."""

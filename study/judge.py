@@ -101,12 +101,17 @@ def judge(problem: Problem, motion: Motion) -> Verdict:
     StudyError
         If the motion has another number of joints or of waypoints than the problem.
     """
-    passed = motion.waypoint_times
-    if motion.n_joints != problem.n_joints or len(passed) != problem.n_waypoints:
+    n_passed = len(motion.waypoint_times)
+    if motion.n_joints != problem.n_joints or n_passed != problem.n_waypoints:
         raise StudyError(
             f"case {problem.name!r}: the motion must have {problem.n_joints} joints and pass {problem.n_waypoints} waypoints, "
-            f"it has {motion.n_joints} and {len(passed)}"
+            f"it has {motion.n_joints} and {n_passed}"
         )
+    return _measured(problem, motion)
+
+
+def _measured(problem: Problem, motion: Motion) -> Verdict:
+    passed = motion.waypoint_times
     position, *rates = [motion.extrema(order) for order in range(4)]
     peaks = np.stack([rate.peak for rate in rates])
     times = np.stack([rate.at_peak for rate in rates])

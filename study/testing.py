@@ -10,10 +10,11 @@ import numpy as np
 
 from study.errors import StudyError
 from study.judge import judge
+from study.parametric import ParametricTrajectory
 from study.planning import Meter, Plan, Planner, RunSettings, Status
 from study.problem import EndCondition, Floats, JointLimits, Problem
 from study.search.loop import Box, Search, State
-from study.trajectory import Motion, ParametricTrajectory, Trajectory
+from study.trajectory import Motion, Trajectory
 
 __all__ = ["NonconformingError", "check_planner", "check_search", "example_problems", "random_problem"]
 

@@ -5,7 +5,7 @@ import pytest
 
 from study import StudyError, Trajectory
 from study.curves import CURVES
-from study.trajectory import ParametricTrajectory
+from study.parametric import ParametricTrajectory
 
 
 @pytest.fixture

@@ -12,9 +12,9 @@ from __future__ import annotations
 import numpy as np
 
 from study import polynomial
+from study.parametric import ParametricTrajectory, rational_candidates
 from study.polynomial import Terms
 from study.problem import Floats
-from study.trajectory import ParametricTrajectory, rational_candidates
 
 BASIS = np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]]) / 6  # Eq. (18), ascending powers of u
 

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from study.errors import StudyError
 from study.experiment.results import Cell, Result
 from study.judge import Verdict
+from study.parametric import ParametricTrajectory
 from study.planning import RunSettings, Status
 from study.problem import Problem
-from study.trajectory import Motion, ParametricTrajectory, Trajectory
+from study.trajectory import Motion, Trajectory
 
 Arrays = dict[str, NDArray[Any]]
 MOTIONS: dict[str, type[Trajectory] | type[ParametricTrajectory]] = {

@@ -10,8 +10,9 @@ import numpy as np
 
 from study.errors import StudyError
 from study.io.text import read_text
+from study.parametric import ParametricTrajectory
 from study.problem import Problem
-from study.trajectory import Motion, ParametricTrajectory, Trajectory
+from study.trajectory import Motion, Trajectory
 
 FORMAT = "time-optimal-study trajectory 1"
 KINDS: dict[str, tuple[type[Trajectory] | type[ParametricTrajectory], tuple[str, ...]]] = {

@@ -12,8 +12,9 @@ import numpy as np
 from study.errors import StudyError
 from study.io.exact import exact_text
 from study.io.joint_trajectory import message_json, message_yaml
+from study.parametric import ParametricTrajectory
 from study.problem import Floats, Problem
-from study.trajectory import Motion, ParametricTrajectory
+from study.trajectory import Motion
 
 MOST_SAMPLES = 10_000_000
 """More samples than this are taken for a mistake in the rate."""
