@@ -93,6 +93,12 @@ def test_error_ratio_and_geometric_mean_by_hand():
     assert audit.geometric_mean([1.0, 100.0]) == pytest.approx(10.0)
 
 
+def test_ratios_read_plainly():
+    assert [audit.figure(x) for x in (0.97, 15.23, 253.4, 1000.0, 6821.0, 9999.9, 3.4e10)] == [
+        "0.97", "15.2", "253", "1000", "6821", "1e4", "3e10",
+    ]  # fmt: skip
+
+
 def _outcomes(values):
     return {
         Trial(search, task, view, seed, 10, 5, 3): Outcome(value, "", 0.0)

@@ -148,6 +148,7 @@ def test_pages_are_self_contained_and_flag_their_searches(whole, tmp_path):
         assert "Limitations" in text
         assert "Quick mode" in text
         assert "mathdefault" not in text
+        assert "{" not in re.sub(r"<(style|script).*?</\1>", "", text, flags=re.DOTALL)
         ids = re.findall(r' id="([^"]+)"', text)
         assert len(ids) == len(set(ids))
         for linked in re.findall(r'href="([^"#][^":]*)"', text):

@@ -222,5 +222,7 @@ def flags_of(functions: Iterable[FunctionFinding], trajectories: Iterable[Trajec
 
 
 def figure(ratio: float) -> str:
-    """Write a ratio as people read it: plain up to a thousand, then as a power of ten."""
-    return f"{ratio:.3g}" if ratio < 9999.5 else f"{ratio:.0e}".replace("e+0", "e").replace("e+", "e")
+    """Write a ratio as people read it: plain below ten thousand, then as a power of ten."""
+    if 999.5 <= ratio < 9999.5:
+        return f"{ratio:.0f}"
+    return f"{ratio:.3g}" if ratio < 1000 else f"{ratio:.0e}".replace("e+0", "e").replace("e+", "e")

@@ -95,9 +95,9 @@ def trajectories_audited(found: Sequence[TrajectoryFinding]) -> str:
     flattered = len({one.search for one in depends if one.flattered})
     return (
         f"On the trajectory problems the results of {len(by_search)} of {len(names)} searches depend on how the durations are "
-        f"written ({listed(list(by_search))}); {flattered} of these "
-        "with a better result for the durations as they are, which a pull to zero flatters. The largest change: {worst.search} on {worst.case} takes {seconds(worst.as_they_are)} with the "
-        f"durations as they are and {seconds(worst.seen)} with them {worst.view}."
+        f"written ({listed(list(by_search))}), {flattered} of these with a better result for the durations as they are, which "
+        f"a pull to zero flatters. The largest change: {worst.search} on {worst.case} takes {seconds(worst.as_they_are)} with "
+        f"the durations as they are and {seconds(worst.seen)} with them {worst.view}."
     )
 
 
