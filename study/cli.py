@@ -12,7 +12,17 @@ import typer
 
 from study import terminal
 from study.commands import checking, own, torture
-from study.commands.runs import DEFAULT_OUT, STORE_NAME, Interrupted, Out, file_stem, make_console, run_missing, show
+from study.commands.runs import (
+    DEFAULT_OUT,
+    STORE_NAME,
+    Interrupted,
+    Out,
+    file_stem,
+    make_console,
+    run_missing,
+    show,
+    watching,
+)
 from study.errors import StudyError
 from study.experiment.cases import Case, case_names, load_case
 from study.experiment.lineup import (
@@ -44,7 +54,7 @@ app.add_typer(cases_app, name="cases")
 
 CaseList = Annotated[
     list[str] | None,
-    typer.Option("--cases", help="Names or YAML files, separated by commas; the papers' five cases by default."),
+    typer.Option("--cases", help="Names or YAML files, separated by commas, or `all`; the papers' five cases by default."),
 ]
 
 
@@ -85,6 +95,14 @@ def run(
     full: Annotated[bool, typer.Option("--full", help=f"The papers' own budgets and {FULL_SEEDS} seeds.")] = False,
     time_limit: Annotated[float, typer.Option(help="Seconds after which a planner is interrupted.")] = TIME_LIMIT,
     report: Annotated[bool, typer.Option(help="Write the report and the recordings.")] = True,
+    live: Annotated[
+        bool,
+        typer.Option(
+            "--live",
+            help="Watch in the rerun viewer: every cell appears as soon as it is finished, with its motion and how its "
+            "search got there; what goes on inside a cell is not shown before its end.",
+        ),
+    ] = False,
 ) -> None:
     """Run every case with every planner, then write tables, report and recordings.
 
@@ -98,7 +116,8 @@ def run(
     console = make_console()
     with Store(out / STORE_NAME, chosen) as store:
         store.remember_lineup(cells, {name: source for name, (_, source) in loaded.items()})
-        run_missing(cells, chosen, store, jobs, console)
+        with watching(chosen, live, store.results(cells) if live else ()) as watch:
+            run_missing(cells, chosen, store, jobs, console, watch)
         results = store.results(cells)
     show(chosen, results, out, console, report)
 
@@ -106,6 +125,7 @@ def run(
 def _cases(texts: Sequence[str] | None) -> dict[str, tuple[Case, str]]:
     """Load cases; for each the name or absolute path that loads it again."""
     names = [name.strip() for text in texts for name in text.split(",")] if texts else case_names(default_only=True)
+    names = case_names() if names == ["all"] else names
     found: dict[str, tuple[Case, str]] = {}
     for name in filter(None, names):
         case = load_case(name)

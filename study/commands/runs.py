@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -40,9 +41,14 @@ def make_console() -> Console:
 
 
 def run_missing(
-    cells: Sequence[Cell], cases: Mapping[str, Case], store: Store, jobs: int | None, console: Console
+    cells: Sequence[Cell],
+    cases: Mapping[str, Case],
+    store: Store,
+    jobs: int | None,
+    console: Console,
+    watch: Callable[[Result], None] = lambda result: None,
 ) -> None:
-    """Run the cells that are not stored yet, with a bar.
+    """Run the cells that are not stored yet, with a bar; `watch` is told of each once it is stored.
 
     Raises
     ------
@@ -59,6 +65,7 @@ def run_missing(
             nonlocal done
             done += 1
             progress.update(task, advance=1, description=f"{result.cell.case}: {result.cell.label}")
+            watch(result)
 
         try:
             run_cells(missing, cases, store, jobs=jobs, on_result=finished)
@@ -70,13 +77,41 @@ def run_missing(
         progress.update(task, description="finished")
 
 
+@contextmanager
+def watching(cases: Mapping[str, Case], live: bool, known: Sequence[Result] = ()) -> Iterator[Callable[[Result], None]]:
+    """Give what is to be told of every finished cell: with `live` an open viewer, otherwise nothing.
+
+    Parameters
+    ----------
+    cases : mapping of str to Case
+    live : bool
+    known : sequence of Result
+        Stored already; the viewer shows them at once.
+
+    Raises
+    ------
+    StudyError
+        If the viewer or a display is missing.
+    """
+    if not live:
+        yield lambda result: None
+        return
+    _keep_to_oneself()
+    from study.report import recording  # here: rerun is slow to import
+
+    with recording.live_recording() as (viewer, _):
+        for result in known:
+            viewer.add(cases[result.cell.case], result)
+        yield lambda result: viewer.add(cases[result.cell.case], result)
+
+
 def show(
     cases: Mapping[str, Case], results: Sequence[Result], out: Path, console: Console, with_report: bool = True
 ) -> None:
     """Print the table of every case and, if so wanted, write the report and the recordings."""
     rows = summarise(cases, results)
     for case in cases.values():
-        console.print(terminal.rows_table(case, (row for row in rows if row.case == case.name)))
+        console.print(terminal.rows_table(case, [row for row in rows if row.case == case.name]))
     if with_report:
         with console.status("writing the report and the recordings"):
             page, recordings = write(cases, results, out)
@@ -88,13 +123,18 @@ def show(
 
 def write(cases: Mapping[str, Case], results: Sequence[Result], out: Path) -> tuple[Path, Path]:
     """Write report and recordings; where the report's first page and the recordings are."""
-    os.environ["RERUN_ANALYTICS_ENABLED"] = "false"  # nothing leaves the machine; read when rerun is imported
+    _keep_to_oneself()
     from study.report.page import build_report  # here: matplotlib and rerun are slow to import
     from study.report.recording import record_case
 
     for case in cases.values():
         record_case(case, [r for r in results if r.cell.case == case.name], recording_file(out, case.name))
     return build_report(cases, results, out / "report", environment()), out / "recordings"
+
+
+def _keep_to_oneself() -> None:
+    """Nothing leaves the machine; rerun reads this when it is imported."""
+    os.environ["RERUN_ANALYTICS_ENABLED"] = "false"
 
 
 def recording_file(out: Path, name: str) -> Path:

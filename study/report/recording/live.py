@@ -129,7 +129,7 @@ def live_recording(hidden: tuple[int, int] | None = None) -> Iterator[tuple[Live
         If there is no display or the viewer does not come up.
     """
     if hidden is None:
-        require_display("cannot show the run live")
+        require_display("cannot show the run live", "leave out --live and look at the recordings afterwards")
     with running_viewer(hidden) as (_, port):
         live = LiveRecording(address(port))
         try:

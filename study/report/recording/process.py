@@ -36,10 +36,10 @@ def address(port: int) -> str:
     return f"rerun+http://{LOOPBACK}:{port}/proxy"
 
 
-def require_display(what: str) -> None:
-    """Raise a StudyError that begins with `what` where there is no display to open a window on."""
+def require_display(what: str, instead: str = "copy the recording to a desktop and open it there") -> None:
+    """Raise a StudyError that begins with `what` and ends with `instead` where there is no display for a window."""
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise StudyError(f"{what}: there is no display here; copy the recording to a desktop and open it there")
+        raise StudyError(f"{what}: there is no display here; {instead}")
 
 
 @contextmanager
