@@ -1,0 +1,58 @@
+"""Fill the pages' generated parts from the program itself: the ledger, the planners and the schema's fields."""
+
+from __future__ import annotations
+
+import html
+from itertools import groupby
+from typing import Any
+
+from study.experiment.ledger import ledger
+from study.experiment.ownfile import schema
+from study.experiment.registry import planner_named, planner_names
+
+
+def on_page_markdown(markdown: str, **kwargs: Any) -> str:
+    """Replace the marks that stand for generated parts."""
+    for mark, part in {"ledger": _ledger, "planners": _planners, "fields": _fields}.items():
+        if f"<!-- {mark} -->" in markdown:
+            markdown = markdown.replace(f"<!-- {mark} -->", part())
+    return markdown
+
+
+def _ledger() -> str:
+    lines = []
+    for paper, entries in groupby(ledger(), key=lambda entry: entry.paper):
+        lines.append(f"\n## {paper}\n")
+        for entry in entries:
+            consequence = f" {entry.consequence}" if entry.consequence else ""
+            lines += [
+                f"**{_plain(entry.place)}** ({entry.kind}).",
+                f"Printed: {_plain(entry.printed)} {_plain(entry.problem)}",
+                f"Our reading: {_plain(entry.reading)}{_plain(consequence)}\n",
+            ]
+    return "\n".join(lines)
+
+
+def _planners() -> str:
+    rows = ["| name | kind | motion |", "|---|---|---|"]
+    for name in planner_names():
+        planner = planner_named(name)
+        kind = "search" if planner.stochastic else "deterministic"
+        rows.append(f"| `{name}` | {kind} | {'on the chosen curve' if planner.segment_times else 'its own'} |")
+    return "\n".join(rows)
+
+
+def _fields() -> str:
+    content = schema()
+    rows = ["| field | meaning |", "|---|---|"]
+    for name, field in content["properties"].items():
+        meaning = field.get("description", "")
+        if not meaning and "$ref" in str(field):
+            target = next(word for word in str(field).replace("'", "/").split("/") if word in content["$defs"])
+            meaning = content["$defs"][target].get("description", "")
+        rows.append(f"| `{name}`{' (needed)' if name in content['required'] else ''} | {_plain(meaning)} |")
+    return "\n".join(rows)
+
+
+def _plain(text: str) -> str:
+    return html.escape(text, quote=False).replace("|", "\\|").replace("*", "\\*").replace("\n", " ")

@@ -1,0 +1,127 @@
+"""Every command and every program of the docs is run; the docs are built with warnings as errors."""
+
+import os
+import re
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGES = sorted((ROOT / "docs" / "pages").glob("*.md"))
+BLOCK = re.compile(r"(?:<!-- exit: (\d) -->\n)?```(\w+)(?: title=\"([^\"]+)\")?\n(.*?)```", re.DOTALL)
+RUN, WRITTEN = ("sh", "python"), ("yaml", "csv", "toml", "python")
+QUIET = "-m pip install --quiet --no-index --no-deps --no-build-isolation --disable-pip-version-check --target"
+
+
+def blocks(page):
+    return [
+        (int(status or 0), language, title, text) for status, language, title, text in BLOCK.findall(page.read_text())
+    ]
+
+
+@pytest.fixture
+def shell(tmp_path):
+    """Run text in an empty folder where `study` and `pip` are this interpreter's, and pip stays off the network."""
+    tools, packages, folder = (tmp_path / name for name in ("tools", "packages", "work"))
+    for path in (tools, packages, folder):
+        path.mkdir()
+    commands = {"study": "-m study", "pip": f'{QUIET} "{packages}"'}
+    for name, arguments in commands.items():
+        drop = "shift; " if name == "pip" else ""
+        (tools / name).write_text(f'#!/bin/sh\n{drop}exec "{sys.executable}" {arguments} "$@"\n')
+        (tools / name).chmod(stat.S_IRWXU)
+    environment = {
+        **os.environ,
+        "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}",
+        "PYTHONPATH": f"{packages}{os.pathsep}{folder}",
+    }
+
+    def run(command, status=0):
+        ended = subprocess.run(
+            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=240, check=False
+        )
+        assert ended.returncode == status, f"{command}\n{ended.stdout}\n{ended.stderr}"
+        return ended
+
+    run.folder = folder
+    return run
+
+
+def play(page, shell):
+    for status, language, title, text in blocks(page):
+        if title:
+            (shell.folder / title).write_text(text)
+        elif language == "sh":
+            for line in text.strip().splitlines():
+                shell(["bash", "-euo", "pipefail", "-c", line], status)
+        elif language == "python":
+            shell([sys.executable, "-W", "ignore", "-c", text], status)
+
+
+LONG = {"index.md", "own-robot.md"}
+"""Pages with a whole comparison, report and recording: run with the slow tests."""
+
+
+@pytest.mark.parametrize(
+    "page", [pytest.param(p, marks=[pytest.mark.slow] if p.name in LONG else []) for p in PAGES], ids=lambda p: p.stem
+)
+@pytest.mark.timeout(600)
+def test_every_block_of_a_page_runs(page, shell):
+    for package in ("pymoo", "mealpy", "cmaes"):
+        if f"from {package}" in page.read_text():
+            pytest.importorskip(package)
+    play(page, shell)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_the_first_page_leaves_what_it_promises(shell):
+    play(next(page for page in PAGES if page.name == "index.md"), shell)
+    for name in ("report/index.html", "recordings/my_case.rrd", "trajectories/my_case.yaml", "results.sqlite"):
+        assert (shell.folder / "study-output" / name).stat().st_size, name
+
+
+def test_every_block_is_run_or_written():
+    for page in PAGES:
+        assert page.read_text().count("```") == 2 * len(blocks(page)), page.name
+        for _, language, title, _ in blocks(page):
+            assert language in (WRITTEN if title else RUN), (page.name, language, title)
+
+
+def test_the_ten_lines_of_the_docs_are_the_example():
+    example = (ROOT / "examples" / "ten_lines.py").read_text().splitlines()
+    code = [line.strip() for line in example[2:] if line.strip()]
+    docs = [line.strip() for line in blocks(ROOT / "docs" / "pages" / "python.md")[0][3].splitlines() if line.strip()]
+    assert docs == code
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_the_docs_build_without_a_warning_and_load_nothing_from_elsewhere(tmp_path):
+    pytest.importorskip("mkdocs")
+    pytest.importorskip("material")
+    pytest.importorskip("mkdocstrings")
+    command = [
+        sys.executable,
+        "-m",
+        "mkdocs",
+        "build",
+        "--strict",
+        "-q",
+        "-f",
+        ROOT / "docs" / "mkdocs.yml",
+        "-d",
+        tmp_path,
+    ]
+    quiet = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=110, env=quiet)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    assert "check_planner" in (tmp_path / "api.html").read_text()
+    assert "woodworking-golds-pso" in (tmp_path / "ledger.html").read_text()
+    for page in tmp_path.glob("*.html"):
+        text = page.read_text()
+        assert "<!-- ledger -->" not in text
+        assert not re.findall(r'<(?:script|img|iframe)[^>]+src="https?:', text), page.name
+        assert not re.findall(r'<link[^>]+rel="stylesheet"[^>]+href="https?:', text), page.name
