@@ -34,26 +34,52 @@ def progress(console: Console) -> Progress:
     )
 
 
-def rows_table(case: Case, rows: Iterable[Row]) -> Table:
+NOTE = (
+    "gap: above the shortest feasible duration known, on whatever path; times on different paths answer different "
+    "questions. above bound: above what no motion through the waypoints can undercut."
+)
+
+
+def rows_table(case: Case, rows: Sequence[Row]) -> Table:
     """Table of one case: every method, feasible ones first, with the reason where one is infeasible."""
-    table = Table(title=f"{case.name}: {case.title}", title_justify="left", header_style="bold")
+    title = f"{case.name}: {case.title} (limits: {case.limits_label})"
+    table = Table(title=title, title_justify="left", header_style="bold", caption=NOTE, caption_justify="left")
     table.add_column("method", no_wrap=True)
-    for name in ("duration (s)", "gap", "feasible", "worst ratio", "evaluations", "wall (s)"):
+    table.add_column("path", no_wrap=True)
+    for name in ("duration (s)", "gap", "above bound", "feasible", "worst ratio", "evaluations", "wall (s)"):
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("reason", overflow="fold", style="dim")
+    bound = max((known for row in rows if (known := any_motion_bound(row)) is not None), default=None)
     for row in rows:
-        table.add_row(*_cells(row), style="" if row.feasible else "red")
+        proof = any_motion_bound(row) is not None
+        table.add_row(*_cells(row, bound), style="bold" if proof else "" if row.feasible else "red")
     return table
 
 
-def _cells(row: Row) -> tuple[str | Text, ...]:
+def any_motion_bound(row: Row) -> float | None:
+    """Proved lower bound on any motion through the waypoints, s, where a row has no motion but such a proof."""
+    shown = row.representative
+    return None if shown is None or shown.motion is not None else shown.details.get("lower_bound")
+
+
+def _cells(row: Row, bound: float | None) -> tuple[str | Text, ...]:
     duration = row.duration if row.duration is not None else row.claimed
     judged = row.representative is not None
+    proved = any_motion_bound(row)
+    above = None if row.gap is None or row.median is None or bound is None else row.median / bound - 1.0
     return (
         Text(row.label),
-        DASH if duration is None else f"{duration:.5f}" if judged else f"({duration:g})",
+        row.path if proved is None else "any",
+        f"≥ {proved:.5f}"
+        if proved
+        else DASH
+        if duration is None
+        else f"{duration:.5f}"
+        if judged
+        else f"({duration:g})",
         DASH if row.gap is None else f"{100 * row.gap:.2f} %",
-        _share(row) if judged else "not judged",
+        DASH if above is None else f"{100 * above:.2f} %",
+        "bound" if proved is not None else _share(row) if judged else "not judged",
         DASH if row.worst_ratio is None else f"{row.worst_ratio:.4f}",
         f"{row.evaluations:,}" if row.evaluations else DASH,
         DASH if row.kind == "published" else f"{row.wall_time:.3g}",
@@ -90,9 +116,9 @@ def verdict_table(problem: Problem, verdict: Verdict) -> Table:
 
 
 def cases_table(cases: Iterable[Case]) -> Table:
-    """Table of cases; those of the default run are marked."""
+    """Table of cases; those of the default run are marked, variants stand indented under their case."""
     table = Table(title="Cases", title_justify="left", header_style="bold")
-    for name in ("name", "default", "what", "waypoints", "joints", "curve", "paper's planner"):
+    for name in ("name", "default", "what", "limits", "waypoints", "joints", "curve", "paper's planner"):
         table.add_column(
             name,
             overflow="fold",
@@ -100,8 +126,11 @@ def cases_table(cases: Iterable[Case]) -> Table:
             no_wrap=name == "name",
         )
     for case in cases:
-        size = str(case.problem.n_waypoints), str(case.problem.n_joints)
-        table.add_row(case.name, "yes" if case.default else "", case.title, *size, case.curve, case.planner)
+        if not case.variant_of:
+            table.add_section()
+        name, size = "  " * bool(case.variant_of) + case.name, (case.problem.n_waypoints, case.problem.n_joints)
+        default = "yes" if case.default else ""
+        table.add_row(name, default, case.title, case.limits_label, *map(str, size), case.curve, case.planner)
     return table
 
 
@@ -136,6 +165,7 @@ def case_tables(case: Case) -> list[Table]:
     ways = f"{settings.formulation}, {settings.synchronisation}, population {settings.population}"
     planner = "searches" if own else "paper's planner"
     facts.add_row(planner, f"{'' if own else case.planner + ', '}{ways}, {settings.evaluations:,} evaluations")
+    facts.add_row("limits", case.limits_label)
     for name, source in case.sources.items():
         facts.add_row(f"source of {name}", source)
     for note in case.notes:

@@ -20,20 +20,34 @@ from study.robots import robot_named, robot_names
 from study.robots.helix import helix_configurations
 
 DEFAULTS = ["aubo-i5", "puma560", "ur5-bspline", "ur5-helix", "woodworking"]
+MATCHED = {
+    "aubo-i5": "dynamic adaptive PSO",
+    "puma560": "RRT-SPSO",
+    "ur5-bspline": "SMWOA",
+    "ur5-helix": "TADF-SSA",
+    "woodworking": "GoldS-PSO",
+}
+"""The paper's own result whose jerk the variant `-jerk-matched` takes as its limit."""
+
 VARIANTS = {
     "aubo-i5-condition-2",
     "aubo-i5-condition-2-radians",
+    "aubo-i5-datasheet",
     "aubo-i5-radians",
+    "puma560-datasheet",
     "ur5-bspline-rest",
     "ur5-helix-smooth",
     "woodworking-c668",
     "woodworking-d489",
+    *(f"{name}-jerk-matched" for name in MATCHED),
 }
 
 
 def test_the_five_papers_and_their_variants_are_there() -> None:
     assert case_names(default_only=True) == DEFAULTS
-    assert set(DEFAULTS) | VARIANTS <= set(case_names())
+    assert set(DEFAULTS) | VARIANTS == set(case_names())
+    assert {name for name in case_names() if load_case(name).variant_of} == VARIANTS
+    assert {load_case(name).variant_of for name in VARIANTS} <= set(DEFAULTS)
 
 
 @pytest.mark.parametrize("name", case_names())
@@ -129,6 +143,45 @@ def test_variants_change_one_thing() -> None:
     rest = load_case("ur5-bspline-rest")
     assert (rest.problem.end, rest.curve) == (EndCondition.REST, "cubic-spline")
     np.testing.assert_array_equal(rest.problem.waypoints, load_case("ur5-bspline").problem.waypoints)
+
+
+@pytest.mark.parametrize(("name", "label"), MATCHED.items())
+def test_matched_jerk_limits_are_the_peaks_of_the_papers_own_motion(name: str, label: str) -> None:
+    base, matched = load_case(name), load_case(f"{name}-jerk-matched")
+    (printed,) = [
+        one for one in base.published if one.label == label and one.joint is None and one.durations is not None
+    ]
+    motion = curve_named(base.curve).motion(base.problem.waypoints, printed.durations)
+    peaks = judge(base.problem, motion).peaks[2]
+    moves = np.ptp(base.problem.waypoints, axis=0) > 0
+    assert peaks[moves] == pytest.approx(matched.problem.limits.jerk[moves], abs=1e-6)
+    assert (peaks <= matched.problem.limits.jerk).all()
+    np.testing.assert_array_equal(matched.problem.limits.rates[:2], base.problem.limits.rates[:2])
+    assert judge(matched.problem, motion).feasible
+    assert matched.limits_label == "jerk-matched"
+    assert matched.sources["jerk limits"].startswith("ours: Peak jerk")
+
+
+@pytest.mark.parametrize(
+    ("name", "acceleration", "jerk"),
+    [
+        ("aubo-i5", [30] * 3 + [25] * 3, [300] * 3 + [250] * 3),
+        ("puma560", [45, 40, 75, 70, 90, 80], [60, 60, 55, 70, 75, 70]),
+    ],
+)
+def test_datasheet_limits_leave_velocity_alone(name: str, acceleration: list[float], jerk: list[float]) -> None:
+    base, sheet = load_case(name).problem.limits, load_case(f"{name}-datasheet").problem.limits
+    unit = np.pi / 180 if name == "puma560" else 1.0
+    np.testing.assert_array_equal(sheet.velocity, base.velocity)
+    assert sheet.acceleration == pytest.approx(np.array(acceleration) * unit)
+    assert sheet.jerk == pytest.approx(np.array(jerk) * unit)
+
+
+@pytest.mark.parametrize("joint", range(5))
+def test_the_classic_limits_of_puma560_stand_in_the_helix_paper_too(joint: int) -> None:
+    classic, printed = load_case("puma560-datasheet").problem.limits, load_case("ur5-helix").problem.limits
+    assert classic.acceleration[joint] == pytest.approx(printed.acceleration[joint], abs=1e-4)
+    assert classic.jerk[joint] == pytest.approx(printed.jerk[joint], abs=1e-4)
 
 
 @pytest.mark.parametrize(

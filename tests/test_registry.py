@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import pytest
 
 from study.errors import StudyError
 from study.experiment.lineup import (
+    AS_IN_PAPER,
     HEADLINE_SEARCHES,
     Budget,
     Spec,
@@ -77,14 +80,23 @@ def test_no_planners_at_all_is_an_error():
         parse_specs(" , ")
 
 
-def test_default_lineup_has_each_headline_search_twice_and_each_deterministic_planner_once():
+def test_default_lineup_has_each_headline_search_twice_and_each_deterministic_planner():
     lineup = default_lineup()
     for name in set(HEADLINE_SEARCHES) & set(planner_names()):
         assert [spec for spec in lineup if spec.planner == name] == [Spec(name), Spec(name, "scaled", "shared")]
     deterministic = [name for name in planner_names() if not planner_named(name).stochastic]
-    assert [spec.planner for spec in lineup if spec.planner not in HEADLINE_SEARCHES] == deterministic
+    on_the_curve = [name for name in deterministic if planner_named(name).segment_times]
+    expected = [Spec(name) for name in deterministic] + [Spec(name, None, AS_IN_PAPER) for name in on_the_curve]
+    assert [spec for spec in lineup if spec.planner not in HEADLINE_SEARCHES] == expected
     assert set(lineup) < set(full_lineup())
     assert {spec.planner for spec in full_lineup()} == set(planner_names())
+
+
+def test_joint_by_joint_runs_once_more_only_where_the_paper_does(tiny_case):
+    specs = [Spec("direct"), Spec("direct", synchronisation=AS_IN_PAPER)]
+    assert [cell.label for cell in make_cells([tiny_case], specs, Budget(1))] == ["direct", "direct:per-joint"]
+    shared = replace(tiny_case, settings=replace(tiny_case.settings, synchronisation="shared"))
+    assert [cell.label for cell in make_cells([shared], specs, Budget(1))] == ["direct"]
 
 
 def test_cells_carry_the_papers_settings_and_a_label_for_what_differs(tiny_case):

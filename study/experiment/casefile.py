@@ -104,6 +104,7 @@ class CaseFile(Strict):
     waypoints: Waypoints
     fixed_joints: dict[Annotated[int, Field(ge=1)], float] = Field(default_factory=dict)
     limits: Limits
+    limits_label: str = "published"
     end: Literal["free", "rest", "smooth"]
     duration_bounds: Bounds
     curve: str
@@ -112,6 +113,7 @@ class CaseFile(Strict):
     published: list[Printed] = Field(default_factory=list)
     notes: list[str] = Field(default_factory=list)
     default: bool = True
+    variant_of: str = ""
     variants: dict[str, Variant] = Field(default_factory=dict)
 
 
@@ -123,6 +125,7 @@ class Variant(Strict):
     units: list[Unit] | None = None
     waypoints: dict[str, Any] | None = None
     limits: dict[str, Any] | None = None
+    limits_label: str | None = None
     end: str | None = None
     duration_bounds: dict[str, Any] | None = None
     curve: str | None = None
@@ -140,7 +143,7 @@ def varied(base: CaseFile, name: str) -> dict[str, Any]:
     if variant.limits is not None:
         changes["limits"] = content["limits"] | variant.limits
     notes = [f"Variant of {base.name!r}: {variant.reason}", *variant.notes, *base.notes]
-    return content | changes | {"name": name, "default": False, "notes": notes}
+    return content | changes | {"name": name, "variant_of": base.name, "default": False, "notes": notes}
 
 
 def in_si(values: list[float] | list[list[float]], units: list[Unit], what: str) -> Floats:

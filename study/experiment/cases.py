@@ -89,6 +89,10 @@ class Case:
         Lower and upper corners of boxes in the robot's base frame.
     arm_radius : float, m
         Of the capsules that stand for the links where obstacles are looked for.
+    limits_label : str
+        Which limits the problem has, in a word or two, such as `published` or `jerk-matched`.
+    variant_of : str
+        Name of the case that this one varies; empty for a case of its own.
     """
 
     name: str
@@ -108,6 +112,8 @@ class Case:
     sources: Mapping[str, str] = field(default_factory=dict)
     obstacles: Floats = field(default_factory=lambda: np.empty((0, 2, 3)))
     arm_radius: float = 0.05
+    limits_label: str = "given"
+    variant_of: str = ""
 
     def robot_configuration(self, q: ArrayLike) -> Floats:
         """Put the joints that the problem leaves out back in their places.
@@ -262,6 +268,8 @@ def _built(file: CaseFile) -> Case:
         fixed_joints={joint - 1: value for joint, value in file.fixed_joints.items()},
         position_range=_position_range(file.limits, file.units),
         sources=_sources(file),
+        limits_label=file.limits_label,
+        variant_of=file.variant_of,
     )
 
 

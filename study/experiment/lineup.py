@@ -13,6 +13,9 @@ from study.formulation import FORMULATIONS
 from study.planning import RunSettings
 
 SYNCHRONISATIONS = ("per-joint", "shared")
+AS_IN_PAPER = "as in the paper"
+"""Synchronisation of a specification that takes that of the case's own paper; it has no name on the command line."""
+
 HEADLINE_SEARCHES = (
     "pso",
     "gold-sa",
@@ -40,7 +43,7 @@ class Spec:
     formulation : str, optional
         `penalty` or `scaled`.
     synchronisation : str, optional
-        `per-joint` or `shared`.
+        `per-joint`, `shared` or `AS_IN_PAPER`.
     """
 
     planner: str
@@ -118,6 +121,9 @@ def parse_specs(text: str) -> tuple[Spec, ...]:
 def default_lineup(names: Iterable[str] | None = None) -> tuple[Spec, ...]:
     """Every headline search as the papers run it and once more `scaled,shared`, and every deterministic planner.
 
+    Deterministic planners share durations between the joints; those on the paper's curve run once more joint by joint where
+    the paper does, so that the price of that rule can be told from the price of the search.
+
     Planners that cannot be loaded are left out; `unavailable_planners` names them.
 
     Parameters
@@ -129,7 +135,9 @@ def default_lineup(names: Iterable[str] | None = None) -> tuple[Spec, ...]:
     searches = [name for name in (HEADLINE_SEARCHES if names is None else names) if name in installed]
     papers_way = [Spec(name) for name in searches]
     scaled = [Spec(name, "scaled", "shared") for name in searches if planner_named(name).segment_times]
-    return (*papers_way, *scaled, *(Spec(name) for name in installed if not planner_named(name).stochastic))
+    plain = [name for name in installed if not planner_named(name).stochastic]
+    rule = [Spec(name, synchronisation=AS_IN_PAPER) for name in plain if planner_named(name).segment_times]
+    return (*papers_way, *scaled, *(Spec(name) for name in plain), *rule)
 
 
 def full_lineup() -> tuple[Spec, ...]:
@@ -164,10 +172,11 @@ def _cells(case: Case, spec: Spec, budget: Budget) -> list[Cell]:
         own = replace(own, formulation="scaled", synchronisation="shared")
     if not planner.segment_times:  # takes no budget either, so that no budget makes it another cell
         own = RunSettings(curve=case.curve, formulation="scaled", time_limit=budget.time_limit)
+    rule = case.settings.synchronisation if spec.synchronisation == AS_IN_PAPER else spec.synchronisation
     settings = replace(
         own,
         formulation=spec.formulation or own.formulation,
-        synchronisation=spec.synchronisation or own.synchronisation,
+        synchronisation=rule or own.synchronisation,
     )
     seeds = range(budget.seeds) if planner.stochastic else range(1)
     label = _label(spec.planner, settings, own)

@@ -18,7 +18,10 @@ from study.judge import judge
 from study.planning import Plan, Status
 
 CURVE, FIXED_PATH, FREE_PATH = "paper's curve", "fixed path", "free path"
-_PATHS = {"toppra": FIXED_PATH, "ruckig-stops": FREE_PATH, "ruckig-via": FREE_PATH, "free-path-nlp": FREE_PATH}
+_PATHS = {
+    **dict.fromkeys(("toppra", "topp3-nlp", "copp"), FIXED_PATH),
+    **dict.fromkeys(("ruckig-stops", "ruckig-via", "free-path-nlp", "quintic-nlp"), FREE_PATH),
+}
 
 
 @dataclass(frozen=True, eq=False)
