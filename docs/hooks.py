@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import html
+import json
 from itertools import groupby
+from pathlib import Path
 from typing import Any
 
 from study.experiment.ledger import ledger
@@ -17,6 +19,12 @@ def on_page_markdown(markdown: str, **kwargs: Any) -> str:
         if f"<!-- {mark} -->" in markdown:
             markdown = markdown.replace(f"<!-- {mark} -->", part())
     return markdown
+
+
+def on_post_build(config: Any, **kwargs: Any) -> None:
+    """Publish the JSON Schema of case files beside the pages."""
+    text = json.dumps(schema(), indent=2)
+    Path(config["site_dir"], "case.schema.json").write_text(text + "\n", encoding="utf-8")
 
 
 def _ledger() -> str:

@@ -1,5 +1,6 @@
 """Every command and every program of the docs is run; the docs are built with warnings as errors."""
 
+import json
 import os
 import re
 import stat
@@ -8,6 +9,8 @@ import sys
 from pathlib import Path
 
 import pytest
+
+from study.experiment.ownfile import schema
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted((ROOT / "docs" / "pages").glob("*.md"))
@@ -120,6 +123,7 @@ def test_the_docs_build_without_a_warning_and_load_nothing_from_elsewhere(tmp_pa
     assert ended.returncode == 0, ended.stdout + ended.stderr
     assert "check_planner" in (tmp_path / "api.html").read_text()
     assert "woodworking-golds-pso" in (tmp_path / "ledger.html").read_text()
+    assert json.loads((tmp_path / "case.schema.json").read_text()) == schema()
     for page in tmp_path.glob("*.html"):
         text = page.read_text()
         assert "<!-- ledger -->" not in text

@@ -68,3 +68,8 @@ def test_the_ten_lines_run_and_write_a_message(tmp_path):
     shown = run([EXAMPLES / "ten_lines.py"], tmp_path)
     assert shown.startswith("free-path-nlp: 2.68")
     assert "time_from_start" in (tmp_path / "mine.trajectory.yaml").read_text()
+
+
+def test_the_readme_shows_the_same_ten_lines():
+    code = (EXAMPLES / "ten_lines.py").read_text().split('"""\n')[1].strip()
+    assert code in (EXAMPLES.parent / "README.md").read_text()
