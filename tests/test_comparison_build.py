@@ -200,4 +200,4 @@ def test_one_seed_is_refused(tmp_path):
     from study.comparison.command import compare_command
 
     with pytest.raises(StudyError, match="at least 2 seeds"):
-        compare_command(CASES, tmp_path / "r.sqlite", tmp_path, False, 1, 1, None)
+        compare_command(CASES, tmp_path / "r.sqlite", False, 1, 1, None)

@@ -179,7 +179,7 @@ def _compare_papers(cases: list[str] | None, out: Path, full: bool, seeds: int |
     names = [name.strip() for text in cases or () for name in text.split(",") if name.strip()]
     chosen = {case.name: case for case in map(load_case, names or case_names(default_only=True))}
     try:
-        compare_command(chosen, out / STORE_NAME, out / "report" / "comparison", full, seeds, jobs, make_console())
+        compare_command(chosen, out / STORE_NAME, full, seeds, jobs, make_console())
     except KeyboardInterrupt:
         raise Interrupted(
             f"interrupted; what was run is stored in {out / STORE_NAME}: run the same command again to go on"

@@ -19,7 +19,7 @@ from study.terminal import progress
 
 
 def compare_command(
-    cases: Mapping[str, Case], store: Path, out: Path, full: bool, seeds: int | None, jobs: int | None, console: Console
+    cases: Mapping[str, Case], store: Path, full: bool, seeds: int | None, jobs: int | None, console: Console
 ) -> Path:
     """Build the comparison of some cases from a store.
 
@@ -27,9 +27,7 @@ def compare_command(
     ----------
     cases : mapping of str to Case
     store : Path
-        The results file.
-    out : Path
-        Folder of the pages.
+        The results file; the pages stand beside it in `report/comparison`.
     full : bool
         The papers' budgets and 30 repetitions.
     seeds : int, optional
@@ -60,11 +58,8 @@ def compare_command(
     with console.status("writing the pages"):
         from study.comparison.pages import write_pages  # here: matplotlib is slow to import
 
-        page = write_pages(found, out, environment())
-    for one in found.omnibus:
-        console.print(sentences.ranking(one), soft_wrap=True)
-    console.print(sentences.functions_audited(found.functions), soft_wrap=True)
-    console.print(sentences.trajectories_audited(found.trajectories), soft_wrap=True)
-    console.print(sentences.matters(found.ablations), soft_wrap=True)
+        page = write_pages(found, store.parent / "report" / "comparison", environment())
+    for sentence in sentences.summary(found):
+        console.print(sentence, soft_wrap=True)
     console.print(f"comparison: {page}", soft_wrap=True)
     return page

@@ -141,11 +141,7 @@ def _claims_page(found: Comparison) -> Page:
         if velocity_only
         else []
     )
-    answer = [sentences.ranking(one) for one in found.omnibus] + [
-        sentences.functions_audited(found.functions),
-        sentences.trajectories_audited(found.trajectories),
-        sentences.matters(found.ablations),
-    ]
+    answer = sentences.summary(found)
     return Page(
         "A fair comparison of five papers' searches",
         answer,

@@ -169,6 +169,15 @@ def less(saving: float) -> str:
     return f"{percent(abs(saving), signed=False)} {'shorter' if saving >= 0 else 'longer'}"
 
 
+def summary(found: Comparison) -> list[str]:
+    """Say what the whole comparison comes to."""
+    return [ranking(one) for one in found.omnibus] + [
+        functions_audited(found.functions),
+        trajectories_audited(found.trajectories),
+        matters(found.ablations),
+    ]
+
+
 def limitations(found: Comparison) -> list[str]:
     """What the numbers do not show."""
     effort = found.effort
