@@ -24,11 +24,12 @@ COMPARED = ("free-path-nlp", "ruckig-via", "casadi-nlp", "toppra", "ruckig-stops
 """Planners that `compare` takes unless told otherwise: every deterministic kind, one metaheuristic and the floor."""
 
 STRAIGHT = "only velocities are limited, and straight lines at full speed are then the exact optimum"
-SMOOTHED = "jerk is limited, and a free path with linear acceleration in every piece comes closest to the optimum"
-STEPPED = (
-    "acceleration is limited and jerk is not, and a free path with constant acceleration in every piece comes closest"
+SMOOTHED = (
+    "jerk is limited, so it moves with linear acceleration in every piece, and optimises how it passes the waypoints"
 )
-CURVED = "the planner before it gave no feasible motion, and durations on a spline can be optimised exactly"
+STEPPED = "acceleration is limited and jerk is not, so it moves at full acceleration, and optimises how it passes the waypoints"
+FREED = "the planner before it gave no feasible motion, and a free path in many pieces comes as close to the optimum"
+CURVED = "the planners before it gave no feasible motion, and durations on a spline can be optimised exactly"
 STOPPING = (
     "the planners before it gave no feasible motion; stopping at every waypoint never leaves the waypoints' range"
 )
@@ -160,8 +161,11 @@ def automatic(problem: Problem) -> Iterator[tuple[str, str]]:
     moving = np.ptp(problem.waypoints, axis=0) > 0
     limited = np.isfinite(problem.limits.rates[1:, moving])
     acceleration, jerk = bool(limited[0].any()), bool(limited[1].any())
-    yield "free-path-nlp", SMOOTHED if jerk else STEPPED if acceleration else STRAIGHT
-    if acceleration or jerk:
+    if not (acceleration or jerk):
+        yield "free-path-nlp", STRAIGHT
+    else:
+        yield "ruckig-via", SMOOTHED if jerk else STEPPED
+        yield "free-path-nlp", FREED
         yield "casadi-nlp", CURVED
     yield "ruckig-stops", STOPPING
 

@@ -23,8 +23,8 @@ V, A, J = np.array([1.0, 0.8]), np.array([2.0, 1.5]), np.array([20.0, 15.0])
     ("limits", "first", "reason"),
     [
         (JointLimits(V), "free-path-nlp", "only velocities are limited"),
-        (JointLimits(V, A), "free-path-nlp", "acceleration is limited and jerk is not"),
-        (JointLimits(V, A, J), "free-path-nlp", "jerk is limited"),
+        (JointLimits(V, A), "ruckig-via", "acceleration is limited and jerk is not"),
+        (JointLimits(V, A, J), "ruckig-via", "jerk is limited"),
     ],
 )
 def test_auto_picks_by_the_limits_that_exist(limits, first, reason):
@@ -36,13 +36,23 @@ def test_auto_picks_by_the_limits_that_exist(limits, first, reason):
     assert judge(planned.problem, planned.motion).duration == planned.duration
 
 
-def test_auto_goes_on_where_a_range_of_positions_is_left():
+def test_auto_goes_on_until_the_judge_passes_a_motion(monkeypatch):
+    order = [("toppra", "first"), ("certified", "second"), ("ruckig-stops", "third"), ("casadi-nlp", "never")]
+    monkeypatch.setattr("study.api.automatic", lambda problem: iter(order))
+    planned = plan(Problem("mine", FOUR[:3], JointLimits(V, A, J)))
+    assert [(name, why) for name, why, _ in planned.tried] == order[:3]
+    assert (planned.planner, planned.why, planned.feasible) == ("ruckig-stops", "third", True)
+    assert "acceleration of joint 2 jumps" in planned.tried[0][2].verdict.reasons[0]
+    assert planned.tried[1][2].message
+
+
+def test_auto_keeps_a_narrow_range_of_positions():
     waypoints = np.array([[0.0], [1.0], [1.0 - 1e-3], [0.0]])
     limits = JointLimits(np.array([1.0]), np.array([1.0]), np.array([5.0]), np.array([0.0]), np.array([1.0]))
     planned = plan(Problem("tight", waypoints, limits))
     assert planned.feasible
-    assert len(planned.tried) > 1
-    assert "leaves its range of positions" in "; ".join(planned.tried[0][2].verdict.reasons)
+    assert planned.motion.extrema().highest[0] <= 1.0 + 1e-9
+    assert not plan(planned.problem, "free-path-nlp").feasible
 
 
 def test_only_limits_of_joints_that_move_count():
@@ -159,7 +169,7 @@ def test_init_check_plan(tmp_path, study_command):
     assert again.returncode == 2
     assert again.stderr == "study: file 'my_case.yaml' exists already; name another one or move it away\n"
     checked = study_command("check", "my_case.yaml", cwd=tmp_path)
-    assert "planner auto takes free-path-nlp: jerk is limited" in checked.stdout
+    assert "planner auto takes ruckig-via: jerk is limited" in checked.stdout
     assert "the case is complete" in checked.stdout
     planned = study_command("plan", "my_case.yaml", "--planner", "casadi-nlp", "--rate", 50, cwd=tmp_path)
     assert planned.returncode == 0, planned.stderr
@@ -175,7 +185,7 @@ def test_init_check_plan(tmp_path, study_command):
 def test_plan_says_why_and_saves_where_told(small, study_command, tmp_path):
     ended = study_command("plan", small, "--save", tmp_path / "a.csv", "--save", tmp_path / "b.exact.json")
     assert ended.returncode == 0, ended.stderr
-    assert "planner free-path-nlp: acceleration is limited and jerk is not" in ended.stdout
+    assert "planner ruckig-via: acceleration is limited and jerk is not" in ended.stdout
     assert read_exact(tmp_path / "b.exact.json").duration == pytest.approx(2.62, rel=0.05)
 
 
