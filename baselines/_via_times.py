@@ -35,7 +35,7 @@ class Passing:
         Largest absolute choice: 1 where the rate has a limit, much more where it has none.
     free : bool array of shape (2, n_waypoints, n_joints)
         Velocities of joints with an acceleration or jerk limit, accelerations of joints with a jerk limit; at both ends
-        what the end condition leaves free.
+        what the end condition leaves free. A joint that has nowhere to go stays at rest.
     """
 
     problem: Problem
@@ -48,7 +48,8 @@ class Passing:
         """Find out what the limits and the end condition leave free."""
         limited = np.isfinite(problem.limits.rates)
         free = np.zeros((2, *problem.waypoints.shape), dtype=bool)
-        free[0], free[1] = limited[1:].any(axis=0), limited[2]
+        moves = np.ptp(problem.waypoints, axis=0) > 0
+        free[0], free[1] = limited[1:].any(axis=0) & moves, limited[2] & moves
         if problem.end is not EndCondition.FREE:
             free[0, [0, -1]] = False
         if problem.end is EndCondition.SMOOTH:

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from baselines.free_path_nlp import free_path
 from baselines.lower_bounds import bound
 from baselines.ruckig_via import ruckig_via
 from study.judge import judge
@@ -18,8 +19,8 @@ from study.problem import Problem
 class AnyMotionBound:
     """Planner `any-motion-bound`: a time that no motion through the waypoints within the limits can undercut.
 
-    A fast motion makes the bound tighter, so Ruckig through the waypoints is asked for one first; the bound is valid
-    whatever it finds.
+    A fast motion makes the bound tighter, so Ruckig through the waypoints and the free-path NLP are asked for one first; the
+    bound is valid whatever they find.
 
     Parameters
     ----------
@@ -44,8 +45,11 @@ class AnyMotionBound:
         """
         if not np.ptp(problem.waypoints, axis=0).any():
             return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
-        motion, _ = ruckig_via(problem, time_limit=settings.time_limit)
-        known = motion.duration if judge(problem, motion).feasible else np.inf
+        motions = (
+            ruckig_via(problem, time_limit=settings.time_limit)[0],
+            free_path(problem, time_limit=settings.time_limit).motion,
+        )
+        known = min((motion.duration for motion in motions if judge(problem, motion).feasible), default=np.inf)
         found = bound(problem, known, self.n_cells, self.refinements)
         return Plan(
             Status.FINISHED,

@@ -18,6 +18,12 @@ leaving them out is safe.
     one cell, is more than U, no motion faster than U uses that cell: it is dropped. The cells that are left are halved, and
     steps 1 to 3 are done again. Then every motion takes at least the smaller of U and the new sum.
 
+Before step 1, jerk and velocity limits bound acceleration too where a motion starts and ends at rest. Say a joint
+accelerates at a > 0. Under its jerk limit J it gains a^2 / (2 J) on the way there and as much again afterwards, unless the
+motion starts or ends in between. If neither happens, a^2 / J <= 2 V. If it starts on the way there, it starts at rest, so
+a^2 / (2 J) <= V; the same holds if it ends afterwards, and both cannot happen, for the joint would not be at rest at both
+ends. So a <= sqrt(2 V J); for a < 0 by symmetry.
+
 Any weights give a valid bound, so the search for good weights needs no proof; it is the dual of the choice of one mixture
 of chains for every joint, solved by adding one chain per joint and round to a linear program. At rest at both ends, the
 first and the last cell are the point 0; where the end condition is free, all cells are allowed there.
@@ -25,7 +31,7 @@ first and the last cell are the point 0; where the end condition is free, all ce
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -87,6 +93,15 @@ class Chains:
 
 Grid = list[list[Cells]]
 """For every joint and every waypoint the cells that are left."""
+
+
+def with_implied_acceleration(problem: Problem) -> Problem:
+    """Lower acceleration limits to what jerk and velocity limits leave of them, where the motion rests at both ends."""
+    velocity, acceleration, jerk = problem.limits.rates
+    if problem.end is EndCondition.FREE:
+        return problem
+    implied = np.minimum(acceleration, np.sqrt(2 * velocity * jerk) * (1 + SAFETY))
+    return replace(problem, limits=replace(problem.limits, acceleration=implied))
 
 
 def first_cells(problem: Problem, n_cells: int, known: float) -> Grid:
@@ -161,7 +176,7 @@ def bound(
         Cells at one waypoint and joint that are not halved further.
     """
     stops = float(rest_to_rest_time(np.diff(problem.waypoints, axis=0), problem.limits.rates).max(axis=1).sum())
-    known = min(known, stops) * (1 + SAFETY)
+    known, problem = min(known, stops) * (1 + SAFETY), with_implied_acceleration(problem)
     grid, best, rounds = first_cells(problem, n_cells, known), 0.0, 0
     for step in range(refinements + 1):
         joints = all_chains(problem, grid)

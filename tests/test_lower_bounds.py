@@ -7,7 +7,7 @@ from baselines._cell_times import Cells, bend_reach, last_bend_crossing, reach, 
 from baselines.any_motion import AnyMotionBound
 from baselines.closed_forms import shortest_time, two_limit_time
 from baselines.free_path_nlp import free_path
-from baselines.lower_bounds import all_chains, bound, first_cells, lower_bound
+from baselines.lower_bounds import all_chains, bound, first_cells, lower_bound, with_implied_acceleration
 from baselines.ruckig_moves import Mover, State
 from baselines.ruckig_stops import ruckig_stops
 from baselines.ruckig_via import ruckig_via
@@ -126,6 +126,29 @@ def test_no_motion_is_faster(limits, end):
     for motion in motions:
         assert judge(problem, motion).feasible
         assert motion.duration >= lower * (1 - 1e-6)  # the judge forgives 1e-6 of a limit
+
+
+@pytest.mark.parametrize("end", list(EndCondition))
+def test_jerk_and_velocity_limits_bound_acceleration_between_rests(end):
+    problem = small(([1.0, 0.5, 2.0], INF, [9.0, 5.0, 400.0]), end, seed=3)
+    implied = with_implied_acceleration(problem).limits.acceleration
+    if end is EndCondition.FREE:
+        assert np.isinf(implied).all()
+        return
+    assert implied == pytest.approx(np.sqrt([18.0, 5.0, 1600.0]))
+    motion = free_path(problem, 8).motion
+    assert (motion.extrema(2).peak <= implied * (1 + 1e-6)).all()
+    without = Problem("without", problem.waypoints, JointLimits(problem.limits.velocity), end=end)
+    assert lower_bound(without) < lower_bound(problem) <= motion.duration
+
+
+def test_a_jump_of_speed_from_limit_to_limit_needs_all_of_the_implied_acceleration():
+    """From -V to V and back without rest in between: jerk up, jerk down, and the peak in the middle is sqrt(2 V J)."""
+    limits, rest = JointLimits([1.0], [INF], [2.0]), np.zeros(1)
+    solved = Mover(limits).pieces(State(rest, -np.ones(1), rest), State(rest, np.ones(1), rest))
+    widths, cubics = solved
+    peaks = np.abs(2 * cubics[:, 2, 0] + 6 * cubics[:, 3, 0] * widths)
+    assert peaks.max() == pytest.approx(np.sqrt(2 * 1.0 * 2.0))
 
 
 @pytest.mark.parametrize("end", [EndCondition.REST, EndCondition.FREE])

@@ -10,6 +10,7 @@ from baselines.ruckig_moves import Mover, State
 from baselines.ruckig_stops import ruckig_stops
 from baselines.ruckig_via import RuckigVia, ruckig_via
 from study import EndCondition, JointLimits, Problem, judge
+from study.experiment.cases import load_case
 from study.planning import RunSettings, Status
 from tests.reference_problems import EACH_LIMIT, INF, small, woodworking
 
@@ -115,3 +116,13 @@ def test_the_same_answer_twice():
 def test_nothing_to_move():
     still = Problem("still", [[1.0], [1.0]], JointLimits([1.0]), allow_dwell=True)
     assert RuckigVia().plan(still, SETTINGS).status is Status.NOT_APPLICABLE
+
+
+def test_a_joint_that_has_nowhere_to_go_stays_at_rest():
+    """Its states once took up rounding and so missed the waypoints, which left stopping everywhere as the best motion."""
+    problem = load_case("puma560-jerk-matched").problem
+    assert np.ptp(problem.waypoints[:, 3]) == 0
+    motion = ruckig_via(problem)[0]
+    assert judge(problem, motion).feasible
+    assert motion.duration < 0.6 * ruckig_stops(problem).duration
+    assert motion.extrema(1).peak[3] == 0
