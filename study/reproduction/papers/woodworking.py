@@ -209,6 +209,10 @@ def _statements(runs: Runs, effort: Effort) -> Rulings:
         if not rules.smaller(finals("GoldS-PSO", function), finals(other, function))[0]
     ]
     worst = max(max(finals("GoldS-PSO", function)) for function in ("F1", "F2", "F3"))
+    medians = "; ".join(
+        f"medians on {f}: " + ", ".join(f"{a} {np.median(finals(a, f)):.2g}" for a in ("GoldS-PSO", "Gold-SA"))
+        for f in ("F4", "F5")
+    )
     golden = {f: rules.smaller(finals("GoldS-PSO", f), finals("Gold-SA", f)) for f in ("F4", "F5")}
     found: Rulings = {
         claim("circle-uniform"): more_uniform("circle", ["uniform"]),
@@ -221,6 +225,7 @@ def _statements(runs: Runs, effort: Effort) -> Rulings:
         claim("beats-gold-sa"): rules.holds(
             all(smaller for smaller, _ in golden.values()),
             ", ".join(f"{f}: p = {p:.2g}" for f, (_, p) in golden.items()),
+            f"smaller by the rank-sum test on {', '.join(f for f, (smaller, _) in golden.items() if smaller) or 'neither'}; {medians}",
         ),
     }
     return found | {claim("shortest-joints"): _shortest(runs, effort)}
