@@ -45,7 +45,11 @@ def nearest(case: Case, motion: Motion) -> Nearest | None:
     robot = robot_named(case.robot, tuple(case.problem.joint_names))
     times = np.unique(np.concatenate([np.linspace(0.0, motion.duration, INSTANTS), motion.knots]))
     places = robot.frames(case.robot_configuration(motion(times)))[:, :, :3, 3]
-    world = World(case.obstacles.min(axis=(0, 1)) - 1.0, case.obstacles.max(axis=(0, 1)) + 1.0, case.obstacles)
-    distances = arm_clearance(world, places, case.arm_radius)
+    distances = arm_clearance(world_of(case), places, case.arm_radius)
     k = int(distances.argmin())
     return Nearest(float(distances[k]), float(times[k]))
+
+
+def world_of(case: Case) -> World:
+    """The case's obstacles with room around them."""
+    return World(case.obstacles.min(axis=(0, 1)) - 1.0, case.obstacles.max(axis=(0, 1)) + 1.0, case.obstacles)

@@ -13,6 +13,7 @@ from study.report.recording.scene import log_scene
 from study.report.recording.signals import log_activity, log_signals
 from study.report.recording.stream import APPLICATION, recording_file
 from study.report.recording.summary import log_convergence, log_metadata, log_summary
+from study.report.recording.swarm import log_swarms, swarm_views, swarms_of
 
 __all__ = ["APPLICATION", "record_case"]
 
@@ -21,7 +22,8 @@ def record_case(case: Case, results: Sequence[Result], path: Path, samples: int 
     """Write a recording of a case with all methods side by side.
 
     Of every label the run of median rank is shown (feasible before infeasible, then by duration), and beside them what
-    the paper prints. The same results give the same column values; row identities differ from file to file.
+    the paper prints. The paper's own planner and the best metaheuristic are run again from their seeds to show their
+    populations, which takes as long as they took. The same results give the same column values; row identities differ from file to file.
 
     Parameters
     ----------
@@ -44,12 +46,14 @@ def record_case(case: Case, results: Sequence[Result], path: Path, samples: int 
         If there is nothing to show, a result belongs to another case, or the file cannot be written.
     """
     contents = gather(case, results, samples)
+    swarms = swarms_of(contents)
     with recording_file(path, case.name) as stream:
         log_metadata(stream, contents)
         log_summary(stream, contents)
         log_signals(stream, contents)
         log_activity(stream, contents)
         log_convergence(stream, contents)
+        log_swarms(stream, contents, swarms)
         scene = log_scene(stream, contents)
-        stream.send_blueprint(layout(contents, scene))
+        stream.send_blueprint(layout(contents, scene, swarm_views(swarms)))
     return path

@@ -11,8 +11,8 @@ import rerun.blueprint as rrb
 from study.experiment.cases import Case
 from study.judge import RATES
 from study.report.recording.contents import Contents, Shown
-from study.report.recording.pictures import Bounds, bars_bounds, curves_bounds, key_bounds
-from study.report.recording.scene import Scene
+from study.report.recording.pictures import Bounds, bars_bounds, curves_bounds, key_bounds, ladder_pitch
+from study.report.recording.scene import OBSTACLES, Scene
 from study.report.recording.signals import limit_values
 from study.report.recording.stream import EVALUATION, SIGNALS, TIMELINE, entity, method
 from study.report.recording.summary import history, ladder_bars
@@ -21,13 +21,15 @@ TITLES = ("Position", "Velocity", "Acceleration", "Jerk")
 Part = rrb.View | rrb.Container
 
 
-def layout(contents: Contents, scene: Scene | None) -> rrb.Blueprint:
-    """Arrange the views of a recording; time stands still at the start."""
+def layout(contents: Contents, scene: Scene | None, populations: Sequence[Part] = ()) -> rrb.Blueprint:
+    """Arrange the views of a recording, those of search populations among them; time stands still at the start."""
     tabs: list[Part] = [_overview(contents, scene), *(_signal_tab(contents, order) for order in range(4))]
     tabs += _activity(contents)
-    tabs += _convergence(contents)
+    tabs += [*_convergence(contents), *populations]
     tabs.append(drawing("Durations", "durations", bars_bounds(len(contents.shown))))
     if scene is not None:
+        if len(contents.case.obstacles):
+            tabs.append(rrb.TimeSeriesView(name="Distance to obstacles, m", origin="clearance"))
         tabs.append(rrb.Grid(*(_arm(one, scene) for one in contents.shown), name="All arms"))
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=0),
@@ -40,9 +42,10 @@ def layout(contents: Contents, scene: Scene | None) -> rrb.Blueprint:
 
 
 def _overview(contents: Contents, scene: Scene | None) -> rrb.Container:
+    rungs = len(ladder_bars(contents))
     words = rrb.Vertical(
         rrb.TextDocumentView(name="Summary", origin="summary"),
-        drawing("Ladder of lost time", "ladder", bars_bounds(len(ladder_bars(contents)))),
+        drawing("Ladder of lost time", "ladder", bars_bounds(rungs, ladder_pitch(rungs))),
         row_shares=[3, 2],
     )
     plots = rrb.Horizontal(
@@ -108,7 +111,8 @@ def _axis(case: Case, order: int, joint: int) -> rrb.ScalarAxis | None:
 def _arm(one: Shown, scene: Scene) -> rrb.Spatial3DView:
     """Look at one method's arm; every arm is seen from the same place."""
     eye = rrb.EyeControls3D(position=scene.eye, look_target=scene.target, eye_up=(0.0, 0.0, 1.0))
-    return rrb.Spatial3DView(name=one.title, origin=entity("arms", method(one.label)), eye_controls=eye)
+    parts = ["$origin/**", f"+ {OBSTACLES}"]
+    return rrb.Spatial3DView(name=one.title, origin=entity("arms", method(one.label)), contents=parts, eye_controls=eye)
 
 
 def drawing(name: str, origin: str, bounds: Bounds) -> rrb.Spatial2DView:
@@ -127,7 +131,11 @@ def _convergence(contents: Contents) -> list[Part]:
         rrb.TimeSeriesView(name="Best objective so far, s", origin="convergence/value"),
         name=f"Convergence (choose timeline “{EVALUATION}”)",
     )
-    return [drawing("Convergence", "convergence_curves", curves_bounds(searches)), series]
+    curves, times = (
+        drawing(name, where, curves_bounds(searches))
+        for name, where in (("Convergence", "convergence_curves"), ("Convergence over wall time", "convergence_times"))
+    )
+    return [curves, times, series]
 
 
 def _activity(contents: Contents) -> list[Part]:

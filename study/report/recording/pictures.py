@@ -6,7 +6,7 @@ to be seen at the first look is therefore drawn with lines and labels. One unit 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,8 @@ WHITE: Color = (255, 255, 255)
 GREY: Color = (150, 150, 150)
 FAINT: Color = (48, 48, 48)
 BAR_WIDTH, BAR_PITCH = 700.0, 36.0
+ROOM = 340.0
+"""Height that the first look has for the ladder; more bars come closer together, so that a unit stays a pixel."""
 PLOT = (1300.0, 640.0)
 KEY_PITCH, KEY_COLUMNS = 250.0, 7
 LETTER = 5.7
@@ -37,38 +39,51 @@ class Bar:
     color: Color
 
 
-def log_bars(stream: rr.RecordingStream, where: str, bars: Sequence[Bar]) -> None:
-    """Draw labelled bars below one another, all from zero."""
+def log_bars(stream: rr.RecordingStream, where: str, bars: Sequence[Bar], pitch: float = BAR_PITCH) -> None:
+    """Draw labelled bars below one another, all from zero; `pitch` is what one of them takes of the height."""
     longest = max((bar.seconds for bar in bars), default=1.0)
     for place, bar in enumerate(bars):
-        end, y = BAR_WIDTH * bar.seconds / longest, BAR_PITCH * place
+        end, y = BAR_WIDTH * bar.seconds / longest, pitch * place
         path = entity(where, bar.name)
-        radius = 0.42 * BAR_PITCH
+        radius = 0.42 * pitch
         strip = rr.LineStrips2D([[[radius, y], [max(end - radius, radius + 1), y]]], colors=bar.color, radii=radius)
         stream.log(path, strip, static=True)
-        _log_text(stream, path + "/text", (16.0, y), bar.text, WHITE)
+        log_text(stream, path + "/text", (16.0, y), bar.text, WHITE)
 
 
-def bars_bounds(count: int) -> Bounds:
+def ladder_pitch(count: int) -> float:
+    """Distance at which so many bars find room at the first look."""
+    return min(BAR_PITCH, ROOM / (count + 1))
+
+
+def bars_bounds(count: int, pitch: float = BAR_PITCH) -> Bounds:
     """Ranges of x and y that a drawing of so many bars fills."""
-    return (-10.0, BAR_WIDTH + 10.0), (-BAR_PITCH, BAR_PITCH * count)
+    return (-10.0, BAR_WIDTH + 10.0), (-pitch, pitch * count)
 
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A curve to draw: its name, its points (n, 2) as log10 of evaluations and of gap, and its colour."""
+    """A curve to draw: its name, its points (n, 2) as log10 of effort and of gap, and its colour."""
 
     name: str
     points: Floats
     color: Color
 
 
-def log_curves(stream: rr.RecordingStream, where: str, lines: Sequence[Line]) -> None:
+@dataclass(frozen=True)
+class Effort:
+    """What stands below a drawing of convergence: a name, and how a power of ten of it reads."""
+
+    name: str
+    text: Callable[[float], str]
+
+
+def log_curves(stream: rr.RecordingStream, where: str, lines: Sequence[Line], effort: Effort) -> None:
     """Draw curves over two logarithmic axes, each named on the right."""
     low = np.min([line.points.min(axis=0) for line in lines], axis=0)
     low[1] = np.floor(low[1])
     high = np.maximum(np.max([line.points.max(axis=0) for line in lines], axis=0), low + 1.0)
-    _log_axes(stream, where, low, high)
+    _log_axes(stream, where, low, high, effort)
     corners = [_stairs(_on_paper(line.points, low, high)) for line in lines]
     heights = _spread(np.array([points[-1, 1] for points in corners]))
     for line, points, height in zip(lines, corners, heights, strict=True):
@@ -77,7 +92,7 @@ def log_curves(stream: rr.RecordingStream, where: str, lines: Sequence[Line]) ->
         leader = [points[-1], [PLOT[0], points[-1, 1]], [PLOT[0] + 30.0, height]]
         faded = [channel // 2 for channel in line.color]
         stream.log(path + "/leader", rr.LineStrips2D([leader], colors=faded, radii=0.5), static=True)
-        _log_text(stream, path + "/name", (PLOT[0] + 36.0, height), line.name, line.color)
+        log_text(stream, path + "/name", (PLOT[0] + 36.0, height), line.name, line.color)
 
 
 def curves_bounds(lines: int) -> Bounds:
@@ -91,7 +106,7 @@ def log_key(stream: rr.RecordingStream, where: str, names: Sequence[tuple[str, C
         row, column = divmod(place, KEY_COLUMNS)
         path, x, y = entity(where, name), KEY_PITCH * column, LINE * row
         stream.log(path, rr.Points2D([[x, y]], colors=color, radii=6.0), static=True)
-        _log_text(stream, path + "/name", (x + 14.0, y), name, WHITE)
+        log_text(stream, path + "/name", (x + 14.0, y), name, WHITE)
 
 
 def key_bounds(count: int) -> Bounds:
@@ -121,21 +136,21 @@ def _spread(heights: Floats) -> Floats:
     return placed
 
 
-def _log_axes(stream: rr.RecordingStream, where: str, low: Floats, high: Floats) -> None:
+def _log_axes(stream: rr.RecordingStream, where: str, low: Floats, high: Floats, effort: Effort) -> None:
     """Draw a grid with a line for every power of ten."""
     decades = [np.arange(np.ceil(low[k]), np.floor(high[k]) + 1) for k in range(2)]
     across = [_on_paper(np.array([[low[0], y], [high[0], y]]), low, high) for y in decades[1]]
     up = [_on_paper(np.array([[x, low[1]], [x, high[1]]]), low, high) for x in decades[0]]
     stream.log(entity(where, "_axes"), rr.LineStrips2D([*across, *up], colors=FAINT, radii=0.6), static=True)
     spots = [(-60.0, line[0, 1]) for line in across] + [(line[0, 0] - 20.0, PLOT[1] + 16.0) for line in up]
-    texts = [f"{100 * 10.0**y:.6g} %" for y in decades[1]] + [f"{10**x:,.0f}" for x in decades[0]]
+    texts = [f"{100 * 10.0**y:.6g} %" for y in decades[1]] + [effort.text(10.0**x) for x in decades[0]]
     for k, (spot, text) in enumerate(zip(spots, texts, strict=True)):
-        _log_text(stream, entity(where, "_axes", str(k)), spot, text, GREY)
-    _log_text(stream, entity(where, "_axes", "x"), (0.5 * PLOT[0] - 40.0, PLOT[1] + 44.0), "evaluations", GREY)
-    _log_text(stream, entity(where, "_axes", "y"), (-60.0, -30.0), "gap to the best known time on this curve", GREY)
+        log_text(stream, entity(where, "_axes", str(k)), spot, text, GREY)
+    log_text(stream, entity(where, "_axes", "x"), (0.5 * PLOT[0] - 40.0, PLOT[1] + 44.0), effort.name, GREY)
+    log_text(stream, entity(where, "_axes", "y"), (-60.0, -30.0), "gap to the best known time on this curve", GREY)
 
 
-def _log_text(stream: rr.RecordingStream, path: str, left: tuple[float, float], text: str, color: Color) -> None:
+def log_text(stream: rr.RecordingStream, path: str, left: tuple[float, float], text: str, color: Color) -> None:
     """Write text that begins at a place; the viewer centres labels below a point, so the width is estimated."""
     spot = [left[0] + 0.5 * LETTER * len(text), left[1] - 0.5 * LINE]
     stream.log(path, rr.Points2D([spot], labels=[text], show_labels=True, colors=color, radii=0.0), static=True)

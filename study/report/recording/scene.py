@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import rerun as rr
 
+from study.experiment.obstacles import world_of
+from study.pathfinding.world import arm_clearance
 from study.problem import Floats
 from study.report.recording.contents import NANOSECOND, Contents, Shown, seconds
-from study.report.recording.stream import entity, method, time_column
+from study.report.recording.stream import LIMIT_COLOR, entity, method, time_column
 from study.robots import Robot, robot_named
 
 SLOW_TO_FAST = np.array(
@@ -18,6 +20,8 @@ SLOW_TO_FAST = np.array(
 )
 """Colours of the tool's speed, dark for standstill and bright for the fastest instant of the case."""
 
+OBSTACLES = entity("arms", "_obstacles")
+OBSTACLE_COLOR = (200, 120, 60)
 FEW_WAYPOINTS = 6
 """Up to so many waypoints are labelled without pointing at them."""
 
@@ -57,8 +61,27 @@ def log_scene(stream: rr.RecordingStream, contents: Contents) -> Scene | None:
         _log_path(stream, path, arm, fastest, 0.004 * reach)
     if len(contents.case.obstacles):
         low, high = np.moveaxis(contents.case.obstacles, 1, 0)
-        stream.log("arms/obstacles", rr.Boxes3D(mins=low, sizes=high - low, colors=(200, 80, 60)), static=True)
+        stream.log(OBSTACLES, rr.Boxes3D(mins=low, sizes=high - low, colors=OBSTACLE_COLOR), static=True)
+        _log_clearance(stream, contents, arms)
+        points = np.concatenate([points, low, high])
     return _looking(points, np.concatenate([arm.chain[:, -1] for arm in arms]))
+
+
+def _log_clearance(stream: rr.RecordingStream, contents: Contents, arms: Sequence[_Arm]) -> None:
+    """Write the distance from arm to obstacles to `/clearance`, m, and mark where the tool is when the arm hits one."""
+    stream.log(entity("clearance", "_contact"), rr.SeriesLines(names="contact", colors=LIMIT_COLOR), static=True)
+    ends = time_column(np.array([0, np.ceil(contents.longest / NANOSECOND)]))
+    stream.send_columns(entity("clearance", "_contact"), ends, rr.Scalars.columns(scalars=np.zeros(2)))
+    world = world_of(contents.case)
+    for arm in arms:
+        distances = arm_clearance(world, arm.chain, contents.case.arm_radius)
+        path = entity("clearance", method(arm.one.label))
+        stream.log(path, rr.SeriesLines(names=arm.one.label, colors=arm.one.color, widths=1.5), static=True)
+        stream.send_columns(path, time_column(arm.times), rr.Scalars.columns(scalars=distances))
+        hits = arm.chain[distances < 0, -1]
+        if len(hits):
+            where = entity("arms", method(arm.one.label), "collisions")
+            stream.log(where, rr.Points3D(hits, colors=LIMIT_COLOR, radii=0.4 * contents.case.arm_radius), static=True)
 
 
 def _looking(points: Floats, tool: Floats) -> Scene:

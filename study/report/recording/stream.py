@@ -14,6 +14,7 @@ from study.errors import StudyError
 APPLICATION = "time-optimal-study"
 TIMELINE = "t"
 EVALUATION = "evaluation"
+GENERATION = "generation"
 LIMIT_COLOR = (200, 60, 60)
 SIGNALS = ("q", "v", "a", "jerk")
 

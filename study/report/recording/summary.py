@@ -11,10 +11,15 @@ from study.experiment.summary import CURVE
 from study.problem import Floats
 from study.report.ladder import Rung, ladder_of
 from study.report.recording.contents import Contents
-from study.report.recording.pictures import GREY, Bar, Line, log_bars, log_curves
+from study.report.recording.pictures import GREY, Bar, Effort, Line, ladder_pitch, log_bars, log_curves
 from study.report.recording.stream import EVALUATION, entity, method
 from study.report.rows import Entry
-from study.report.wording import DASH, count, percent, seconds
+from study.report.wording import DASH, count, percent, seconds, wall
+
+EVALUATIONS = Effort("evaluations", count)
+WALL_TIME = Effort("wall time, shared out evenly over the evaluations of a run", wall)
+SHORTEST = 1e-6
+"""Wall times are not taken for shorter than this, s."""
 
 GAP_FLOOR = 1e-6
 """Relative gaps below the judge's tolerance are drawn at it."""
@@ -23,7 +28,8 @@ GAP_FLOOR = 1e-6
 def log_summary(stream: rr.RecordingStream, contents: Contents) -> None:
     """Write the Markdown table to `/summary`, the ladder of lost time to `/ladder`, all durations to `/durations`."""
     log_standings(stream, contents)
-    log_bars(stream, "ladder", ladder_bars(contents))
+    bars = ladder_bars(contents)
+    log_bars(stream, "ladder", bars, ladder_pitch(len(bars)))
 
 
 def log_standings(stream: rr.RecordingStream, contents: Contents) -> None:
@@ -81,7 +87,8 @@ def log_metadata(stream: rr.RecordingStream, contents: Contents) -> None:
 def log_convergence(stream: rr.RecordingStream, contents: Contents) -> None:
     """Write incumbent values over evaluations to `/convergence/value`, log10 of their gaps to `/convergence/gap`.
 
-    Both stand on the timeline `evaluation`; the same gaps are drawn to `/convergence_curves` for every timeline.
+    Both stand on the timeline `evaluation`; the same gaps are drawn for every timeline to
+    `/convergence_curves` over evaluations and to `/convergence_times` over wall time.
     """
     colors = {one.label: one.color for one in contents.shown}
     for entry in contents.entries:
@@ -96,16 +103,20 @@ def log_convergence(stream: rr.RecordingStream, contents: Contents) -> None:
 
 
 def log_convergence_curves(stream: rr.RecordingStream, contents: Contents) -> None:
-    """Draw the gaps over evaluations; drawn again, they replace what stood there."""
+    """Draw the gaps over evaluations and over wall time; drawn again, they replace what stood there."""
+    if not np.isfinite(contents.best):
+        return
     colors = {one.label: one.color for one in contents.shown}
-    records = [(entry.label, *history(entry)) for entry in contents.entries]
-    lines = [
-        Line(label, np.column_stack([np.log10(counts), log_gaps(values, contents.best)]), colors.get(label, GREY))
-        for label, counts, values in records
-        if len(values) and np.isfinite(contents.best)
-    ]
-    if lines:
-        log_curves(stream, "convergence_curves", [*lines, *_references(contents, lines)])
+    counted, timed = [], []
+    for entry in contents.entries:
+        counts, values = history(entry)
+        gaps, color = log_gaps(values, contents.best), colors.get(entry.label, GREY)
+        if len(values):
+            counted.append(Line(entry.label, np.column_stack([np.log10(counts), gaps]), color))
+            timed.append(Line(entry.label, np.column_stack([np.log10(wall_times(entry)), gaps]), color))
+    if counted:
+        log_curves(stream, "convergence_curves", [*counted, *_references(contents, counted)], EVALUATIONS)
+        log_curves(stream, "convergence_times", [*timed, *_arrivals(contents, timed)], WALL_TIME)
 
 
 def history(entry: Entry) -> tuple[Floats, Floats]:
@@ -114,6 +125,13 @@ def history(entry: Entry) -> tuple[Floats, Floats]:
     records = np.empty((0, 2)) if run is None else np.asarray(run.history, dtype=float).reshape(-1, 2)
     counts, values = records[np.isfinite(records[:, 1]) & (records[:, 0] > 0)].T
     return counts, values
+
+
+def wall_times(entry: Entry) -> Floats:
+    """Wall times of the history's records, s: the run's own, in proportion to the evaluations spent."""
+    run, (counts, _) = entry.row.representative, history(entry)
+    whole = max(run.wall_time, SHORTEST) if run is not None else SHORTEST
+    return np.asarray(counts * whole / max(run.evaluations if run is not None else 1, 1))
 
 
 def log_gaps(values: Floats, best: float) -> Floats:
@@ -138,6 +156,24 @@ def _references(contents: Contents, lines: list[Line]) -> list[Line]:
         Line(one.label, np.column_stack([span, log_gaps(np.full(2, one.motion.duration), contents.best)]), one.color)
         for one in levels
     ]
+
+
+def _arrivals(contents: Contents, lines: list[Line]) -> list[Line]:
+    """Feasible methods on the same curve that count no evaluations: level lines from when they are done."""
+    last = max(line.points[-1, 0] for line in lines)
+    found = []
+    for one in contents.shown:
+        run = one.entry.row.representative
+        if run is None or one.published or not one.feasible or one.entry.path != CURVE or len(history(one.entry)[0]):
+            continue
+        done = np.log10(max(run.wall_time, SHORTEST))
+        ends = np.array([done, max(last, done)])
+        found.append(
+            Line(
+                one.label, np.column_stack([ends, log_gaps(np.full(2, one.motion.duration), contents.best)]), one.color
+            )
+        )
+    return found
 
 
 def markdown(contents: Contents) -> str:

@@ -1,0 +1,163 @@
+"""Where the candidates of a search stand, generation after generation, in the space of segment durations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from study.problem import Floats
+from study.report.recording.contents import PALETTE, Contents, Shown
+from study.report.recording.layout import drawing
+from study.report.recording.pictures import FAINT, GREY, WHITE, key_bounds, log_key, log_text
+from study.report.recording.stream import GENERATION, entity, method
+from study.report.replay import Replay, replayed
+
+PANELS = 5
+"""Generations that are drawn side by side: the first, the last, and others closer together at the start."""
+
+SIZE = np.array([300.0, 300.0])
+APART = 380.0
+FRAMES = 80
+"""Generations that the moving picture shows at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Swarm:
+    """A search that has been run again, and the method it belongs to."""
+
+    one: Shown
+    replay: Replay
+
+    @property
+    def title(self) -> str:
+        """Name and seed."""
+        run = self.one.entry.row.representative
+        return f"{self.one.label}, seed {run.cell.settings.seed if run else 0}"
+
+    @property
+    def remark(self) -> str:
+        """What happens to the durations before they are driven."""
+        run = self.one.entry.row.representative
+        scaled = run is not None and run.cell.settings.formulation == "scaled"
+        return " before they are stretched to the limits" if scaled else ""
+
+    def color(self, part: int) -> tuple[int, int, int]:
+        """The method's colour, or the joint's where every joint is searched alone."""
+        return self.one.color if len(self.replay.parts) == 1 else PALETTE[part % len(PALETTE)]
+
+
+def swarms_of(contents: Contents) -> tuple[Swarm, ...]:
+    """Run the paper's own planner and the best metaheuristic again, as far as they have populations."""
+    best = contents.chosen.search
+    wanted = {contents.case.planner, best.label if best is not None else ""}
+    found = []
+    for one in contents.shown:
+        run = one.entry.row.representative
+        replay = replayed(contents.case, run) if one.label in wanted and run is not None else None
+        if replay is not None:
+            found.append(Swarm(one, replay))
+    return tuple(found)
+
+
+def log_swarms(stream: rr.RecordingStream, contents: Contents, swarms: Sequence[Swarm]) -> None:
+    """Draw some generations to `/swarm` for every timeline, and all to `/population` on the timeline `generation`."""
+    joints = contents.case.problem.joint_names
+    if any(len(swarm.replay.parts) > 1 for swarm in swarms):
+        log_key(stream, "swarm_joints", [(name, PALETTE[k % len(PALETTE)]) for k, name in enumerate(joints)])
+    for swarm in swarms:
+        bounds = np.log10(contents.case.problem.duration_bounds)
+        name, last = method(swarm.one.label), swarm.replay.generations - 1
+        for panel, generation in enumerate(_spread(last, PANELS)):
+            corner = np.array([APART * panel, 0.0])
+            where = entity("swarm", name, f"panel {panel + 1}")
+            _log_frame(stream, where, corner, swarm, bounds)
+            log_text(stream, where + "/title", (corner[0], -24.0), f"generation {generation + 1}", WHITE)
+            for part in range(len(swarm.replay.parts)):
+                points = _places(swarm, part, swarm.replay.at(part, generation), bounds, corner)
+                dots = rr.Points2D(points, colors=swarm.color(part), radii=1.6)
+                stream.log(f"{where}/{entity(str(part))}", dots, static=True)
+            stream.log(where + "/best", _best(swarm, generation, bounds, corner), static=True)
+        _log_moving(stream, swarm, bounds, last)
+
+
+def _log_moving(stream: rr.RecordingStream, swarm: Swarm, bounds: Floats, last: int) -> None:
+    where, corner = entity("population", method(swarm.one.label)), np.zeros(2)
+    _log_frame(stream, where, corner, swarm, bounds)
+    frames = np.unique(np.linspace(0, last, FRAMES).round().astype(np.int64))
+    index = [rr.TimeColumn(GENERATION, sequence=frames + 1)]
+    for part in range(len(swarm.replay.parts)):
+        points = [_places(swarm, part, swarm.replay.at(part, int(k)), bounds, corner) for k in frames]
+        path = f"{where}/{entity(str(part))}"
+        stream.log(path, rr.Points2D.from_fields(colors=[swarm.color(part)], radii=[1.6]), static=True)
+        columns = rr.Points2D.columns(positions=np.concatenate(points)).partition([len(one) for one in points])
+        stream.send_columns(path, index, columns)
+
+
+def _spread(last: int, count: int) -> list[int]:
+    """Generations from 0 to the last, closer together at the start."""
+    return sorted({0, last, *np.rint(np.geomspace(1, last + 1, count) - 1).astype(int).tolist()})
+
+
+def _places(swarm: Swarm, part: int, durations: Floats, bounds: Floats, corner: Floats) -> Floats:
+    """Where candidates stand: a column for every segment, the duration upwards; shape (n_candidates * n_segments, 2)."""
+    n_segments, n_parts = durations.shape[1], len(swarm.replay.parts)
+    offset = 0.0 if n_parts == 1 else 0.6 * (part / (n_parts - 1) - 0.5)  # joints side by side in a segment's column
+    x = np.broadcast_to((np.arange(n_segments) + 0.5 + offset) / n_segments, durations.shape)
+    y = 1.0 - (np.log10(durations) - bounds[0]) / (bounds[1] - bounds[0])
+    return np.asarray(corner + SIZE * np.stack([x, y], axis=-1).reshape(-1, 2))
+
+
+def _best(swarm: Swarm, generation: int, bounds: Floats, corner: Floats) -> rr.Points2D:
+    """The best candidate so far of every part, as white dots."""
+    parts = range(len(swarm.replay.parts))
+    rows = [_places(swarm, k, swarm.replay.best(k, generation)[None], bounds, corner) for k in parts]
+    return rr.Points2D(np.concatenate(rows), colors=WHITE, radii=2.6)
+
+
+def _log_frame(stream: rr.RecordingStream, where: str, corner: Floats, swarm: Swarm, bounds: Floats) -> None:
+    """Lines at the ends of the search's box and at every power of ten between, and between the segments."""
+    levels = np.unique(np.round([*bounds, *np.arange(np.ceil(bounds[0]), np.floor(bounds[1]) + 1)], 9))
+    heights = 1.0 - (levels - bounds[0]) / (bounds[1] - bounds[0])
+    edges = np.arange(swarm.replay.populations[0][0].shape[1] + 1) / swarm.replay.populations[0][0].shape[1]
+    across = [[corner + SIZE * (0, y), corner + SIZE * (1, y)] for y in heights]
+    up = [[corner + SIZE * (x, 0), corner + SIZE * (x, 1)] for x in edges]
+    stream.log(f"{where}/frame", rr.LineStrips2D([*across, *up], colors=FAINT, radii=0.6), static=True)
+    for k, (level, y) in enumerate(zip(levels, heights, strict=True)):
+        spot = (corner[0] - 46.0, corner[1] + SIZE[1] * y + 8.0)
+        log_text(stream, f"{where}/frame/{k}", spot, f"{10**level:.3g} s", GREY)
+    log_text(
+        stream, f"{where}/frame/x", (corner[0] + 60.0, corner[1] + SIZE[1] + 24.0), "segments, from the first", GREY
+    )
+
+
+def swarm_views(swarms: Sequence[Swarm]) -> list[rrb.View | rrb.Container]:
+    """Tabs of the drawings and of the moving pictures."""
+    if not swarms:
+        return []
+    rows: list[rrb.View | rrb.Container] = [
+        _picture(
+            f"{swarm.title}: segment durations of all candidates{swarm.remark}, the best so far in white",
+            "swarm",
+            swarm,
+            PANELS,
+        )
+        for swarm in swarms
+    ]
+    if any(len(swarm.replay.parts) > 1 for swarm in swarms):
+        key = drawing("Joints", "swarm_joints", key_bounds(7))
+        rows = [key, *rows]
+    shares = [1 if len(rows) > len(swarms) and k == 0 else 6 for k in range(len(rows))]
+    moving = [_picture(swarm.title, "population", swarm, 1) for swarm in swarms]
+    return [
+        rrb.Vertical(*rows, row_shares=shares, name="Search population"),
+        rrb.Horizontal(*moving, name=f"Search population (choose timeline “{GENERATION}”)"),
+    ]
+
+
+def _picture(name: str, root: str, swarm: Swarm, panels: int) -> rrb.Spatial2DView:
+    bounds = ((-60.0, APART * (panels - 1) + SIZE[0] + 20.0), (-60.0, SIZE[1] + 50.0))
+    return drawing(name, entity(root, method(swarm.one.label)), bounds)
