@@ -23,12 +23,15 @@ from study.curves import CURVES
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import Plan, RunSettings, Status
-from study.problem import Floats, Problem
+from study.problem import EndCondition, Floats, Problem
 from study.trajectory import Motion, Trajectory
 
 ROUNDS = 5
 ENOUGH = 1e-7
 """Excess over the limits, as a stretch, that ends the rounds."""
+
+ABSURD = 3.0
+"""A motion this many times as long as stopping at every waypoint shows that the solver went astray."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +64,11 @@ class FreePath:
     def rank(self) -> tuple[bool, float]:
         """Feasible before infeasible, then by duration."""
         return not self.feasible, self.motion.duration
+
+
+def stops_time(problem: Problem) -> float:
+    """Duration of the motion that stops at every waypoint, s."""
+    return float(rest_to_rest_time(np.diff(problem.waypoints, axis=0), problem.limits.rates).max(axis=1).sum())
 
 
 def spline_start(problem: Problem, pieces: int) -> Nodes:
@@ -128,6 +136,19 @@ def _finished(problem: Problem, nodes: Nodes, converged: bool, message: str) -> 
     return FreePath(motion, stretch, judge(problem, motion).feasible, 0, converged, message)
 
 
+def surplus(problem: Problem, pieces: int) -> int:
+    """Count unknowns of the NLP less its equations; below zero no motion with so few pieces meets them, but by luck.
+
+    Every segment has a duration. A joint whose acceleration is linear in every piece has two unknowns at every node, one
+    with constant accelerations one; per piece and per segment they must fit together, and the ends take some away.
+    """
+    units, n = Units.of(problem), problem.n_segments
+    ends = {EndCondition.FREE: 0, EndCondition.REST: 2, EndCondition.SMOOTH: 4}[problem.end]
+    cubic = n * (pieces - 1) + 2 - ends
+    quadratic = n * (pieces - 1) + 1 - min(ends, 2)
+    return n + len(units.cubic) * cubic + len(units.quadratic) * quadratic
+
+
 def free_path(problem: Problem, pieces: int = 8, time_limit: float = 60.0) -> FreePath:
     """Solve the free-path NLP from two starts and keep the faster motion.
 
@@ -142,7 +163,7 @@ def free_path(problem: Problem, pieces: int = 8, time_limit: float = 60.0) -> Fr
     Raises
     ------
     StudyError
-        If CasADi is missing, `pieces` is not positive, or no joint moves.
+        If CasADi is missing, `pieces` is not positive or too few for the end condition, or no joint moves.
     """
     if pieces < 1:
         raise StudyError(f"free-path NLP: pieces per segment must be at least 1, got {pieces}")
@@ -150,6 +171,11 @@ def free_path(problem: Problem, pieces: int = 8, time_limit: float = 60.0) -> Fr
         raise StudyError(f"case {problem.name!r}: all waypoints are equal, so there is nothing to move")
     if not Units.of(problem).moving.size:
         return _straight(problem)
+    if (lacking := -surplus(problem, pieces)) > 0:
+        raise StudyError(
+            f"free-path NLP: {pieces} pieces per segment leave {lacking} more equations than unknowns on case "
+            f"{problem.name!r}, so that no motion meets them; take more pieces"
+        )
     deadline = time.monotonic() + time_limit
     transcription = Transcription(problem, pieces, time_limit / 2)
     starts = (spline_start(problem, pieces), stop_start(problem, pieces))
@@ -190,7 +216,16 @@ class FreePathNlp:
         """
         if not np.ptp(problem.waypoints, axis=0).any():
             return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
-        found = free_path(problem, self.pieces, settings.time_limit)
+        try:
+            found = free_path(problem, self.pieces, settings.time_limit)
+        except StudyError as error:
+            return Plan(Status.FAILED, message=str(error))
+        if found.motion.duration > ABSURD * stops_time(problem):
+            return Plan(
+                Status.FAILED,
+                iterations=found.iterations,
+                message=f"the solver ended with a motion of {found.motion.duration:g} s; stopping at every waypoint is far faster",
+            )
         if not found.feasible and not found.converged:
             return Plan(Status.FAILED, iterations=found.iterations, message=f"IPOPT: {found.message}")
         return Plan(

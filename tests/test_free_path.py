@@ -1,13 +1,19 @@
 """The free-path NLP: optimal where optima are known, better with more pieces, exact in every limit."""
 
 import sys
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from baselines import free_path_nlp
 from baselines._free_path_transcription import casadi_module
 from baselines.closed_forms import three_limit_time, two_limit_time
-from baselines.free_path_nlp import FreePathNlp, free_path
+from baselines.free_path_nlp import FreePathNlp, free_path, surplus
+from baselines.lower_bounds import lower_bound
+from baselines.quintic_nlp import QUINTIC_NLP
 from baselines.ruckig_stops import ruckig_stops
+from baselines.ruckig_via import ruckig_via
 from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.planning import RunSettings, Status
 from tests.reference_problems import EACH_LIMIT, INF, small, woodworking
@@ -115,3 +121,60 @@ def test_a_missing_package_is_one_clear_sentence(monkeypatch):
     monkeypatch.setitem(sys.modules, "casadi", None)
     with pytest.raises(StudyError, match="pip install casadi"):
         casadi_module()
+
+
+@pytest.mark.parametrize(
+    "problem", [small(EACH_LIMIT["all"], EndCondition.SMOOTH), woodworking()], ids=["jerk", "acceleration"]
+)
+def test_too_few_pieces_are_refused_with_the_reason(problem):
+    """One piece per segment with smooth ends has more equations than unknowns; a motion of 77757 s once passed for one."""
+    assert surplus(problem, 1) < 0 <= surplus(problem, 2)
+    plan = FreePathNlp(1).plan(problem, SETTINGS)
+    assert plan.status is Status.FAILED
+    assert plan.motion is None
+    assert "more equations than unknowns" in plan.message
+
+
+def test_where_one_piece_is_enough_it_is_taken():
+    problem = small(EACH_LIMIT["all"], EndCondition.REST)
+    assert surplus(problem, 1) >= 0
+    assert FreePathNlp(1).plan(problem, SETTINGS).status is Status.FINISHED
+
+
+def test_an_absurdly_long_motion_is_a_failure(monkeypatch):
+    problem = small(EACH_LIMIT["all"])
+    astray = free_path(problem, 2)
+    astray = replace(astray, motion=astray.motion.scaled(1e4))
+    monkeypatch.setattr(free_path_nlp, "free_path", lambda *_: astray)
+    plan = FreePathNlp(2).plan(problem, SETTINGS)
+    assert plan.status is Status.FAILED
+    assert "far faster" in plan.message
+
+
+@pytest.mark.parametrize("order", range(3))
+@pytest.mark.parametrize("planner", ["free_path", "ruckig_via", "quintic"])
+def test_loosening_a_limit_never_lengthens(planner, order):
+    problem = small(EACH_LIMIT["all"], EndCondition.SMOOTH)
+    rates = problem.limits.rates.copy()
+    rates[order] *= 1.5
+    looser = replace(problem, limits=JointLimits(*rates))
+    assert fastest(planner, looser) <= fastest(planner, problem) * (1 + 1e-6)
+
+
+@pytest.mark.parametrize("waypoint", [1, 2, 3])
+@pytest.mark.parametrize("limits", ["acceleration binds", "all"])
+def test_without_a_waypoint_the_best_of_all_motions_is_no_longer(limits, waypoint):
+    """The motion through all waypoints passes those that are left; 1e-3 is for what 16 pieces are above the best."""
+    problem = small(EACH_LIMIT[limits], EndCondition.REST, seed=4, n_waypoints=5)
+    fewer = replace(problem, waypoints=np.delete(problem.waypoints, waypoint, axis=0))
+    assert free_path(fewer, 16).motion.duration <= free_path(problem, 16).motion.duration * (1 + 1e-3)
+    assert fastest("ruckig_via", fewer) <= fastest("ruckig_via", problem) * (1 + 1e-3)
+    assert lower_bound(fewer) <= fastest("ruckig_via", problem)
+
+
+def fastest(planner, problem):
+    if planner == "free_path":
+        return free_path(problem, 8).motion.duration
+    if planner == "ruckig_via":
+        return ruckig_via(problem)[0].duration
+    return QUINTIC_NLP.plan(problem, SETTINGS).motion.duration
