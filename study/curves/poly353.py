@@ -17,6 +17,18 @@ from study.errors import StudyError
 from study.problem import Floats
 
 
+def check_waypoints(waypoints: Floats) -> None:
+    """Refuse anything but four waypoints.
+
+    Raises
+    ------
+    StudyError
+        If there are not four waypoints.
+    """
+    if len(waypoints) != 4:
+        raise StudyError(f"the 3-5-3 curve needs exactly 4 waypoints, got {len(waypoints)}; use cubic-spline instead")
+
+
 def hermite(waypoints: Floats, durations: Floats) -> tuple[Floats, ...]:
     """Coefficients c1 to c5 of the middle quintic in unit time, each of shape (n_joints, n_candidates).
 
@@ -30,8 +42,7 @@ def hermite(waypoints: Floats, durations: Floats) -> tuple[Floats, ...]:
     StudyError
         If there are not four waypoints.
     """
-    if len(waypoints) != 4:
-        raise StudyError(f"the 3-5-3 curve needs exactly 4 waypoints, got {len(waypoints)}; use cubic-spline instead")
+    check_waypoints(waypoints)
     first, middle, last = np.diff(waypoints, axis=0)[:, :, None]
     t1, t2, t3 = np.ascontiguousarray(durations.T)
     before, after = t2 / t1, t2 / t3

@@ -6,13 +6,16 @@ import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
-PACKAGES = ("time-optimal-study", "numpy", "scipy", "casadi", "toppra", "ruckig", "rerun-sdk")
+from study.curves.engine import described
+
+PACKAGES = ("time-optimal-study", "numpy", "scipy", "casadi", "toppra", "ruckig", "rerun-sdk", "numba")
 
 
 def environment() -> dict[str, str]:
     """Name the versions of Python, the packages that compute and the machine."""
     facts = {"Python": platform.python_version()}
     facts |= {name: _version(name) for name in PACKAGES}
+    facts["peak rates"] = described()
     facts["system"] = f"{platform.system()} {platform.machine()}"
     facts["processor"] = f"{_processor()}, {os.cpu_count()} logical"
     return facts

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from study.curves import curve_named
+from study.curves.engine import with_engine
 from study.errors import unknown
 from study.formulation import formulation_named
 from study.planning import Meter, Plan, RunSettings, Status
@@ -109,7 +110,8 @@ class _Run:
 
 
 def _search(drive: Drive, problem: Problem, settings: RunSettings, stream: np.random.SeedSequence) -> _Run:
-    formulation = formulation_named(settings.formulation, problem, curve_named(settings.curve))
+    curve = with_engine(curve_named(settings.curve), settings.evaluations)
+    formulation = formulation_named(settings.formulation, problem, curve)
     meter = Meter(formulation, settings.evaluations)
     box = Box(*(np.full(problem.n_segments, bound) for bound in problem.duration_bounds))
     drive(meter, box, settings.population, np.random.default_rng(stream))

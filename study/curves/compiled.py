@@ -1,0 +1,76 @@
+"""The compiled twins of the curve families' peak rates; importing this file imports numba.
+
+Each agrees with its NumPy twin to rounding (1e-12 of the peak). Without the jerk of the B-spline and without the smooth
+spline, which no published case needs, so that these stay with NumPy.
+"""
+
+from __future__ import annotations
+
+import time
+from functools import lru_cache
+
+import numpy as np
+
+from study.curves import bspline, compiled_353, compiled_bspline, compiled_spline, poly353
+from study.problem import Floats
+
+Orders = tuple[int, ...]
+
+
+def _in_order(result: Floats, orders: Orders) -> Floats:
+    """View rows by order as the NumPy path lays them out, shape (n_candidates, len(orders), n_joints)."""
+    if len(orders) != len(result) or orders[0] != 1 or orders[1] != 2:
+        result = result[[order - 1 for order in orders]]
+    return result.transpose(2, 0, 1)
+
+
+def peaks_353(waypoints: Floats, durations: Floats, orders: Orders = (1, 2, 3)) -> Floats:
+    """Peak rates of the 3-5-3 curve; see `study.curves.poly353.peaks`.
+
+    Raises
+    ------
+    StudyError
+        If there are not four waypoints.
+    """
+    poly353.check_waypoints(waypoints)
+    result = np.empty((3 if 3 in orders else 2, waypoints.shape[1], len(durations)))
+    compiled_353.fill(waypoints, np.ascontiguousarray(durations), result)
+    return _in_order(result, orders)
+
+
+def peaks_spline(waypoints: Floats, durations: Floats, orders: Orders = (1, 2, 3)) -> Floats:
+    """Peak rates of the clamped cubic spline; see `study.curves.cubic_spline.peaks`."""
+    result = np.empty((3, waypoints.shape[1], len(durations)))
+    compiled_spline.fill(waypoints, np.ascontiguousarray(durations), result)
+    return _in_order(result, orders)
+
+
+def peaks_bspline(waypoints: Floats, durations: Floats, orders: Orders = (1, 2, 3)) -> Floats:
+    """Peak rates of the parametric B-spline; see `study.curves.bspline.peaks`."""
+    if 3 in orders:
+        return bspline.peaks(waypoints, durations, orders)
+    powers = np.array([1.0, 2.0, 3.0])
+    position = np.ascontiguousarray(np.moveaxis(bspline.unit_coefficients(waypoints), 1, 2)[:, :, 1:] * powers)
+    result = np.empty((2, waypoints.shape[1], len(durations)))
+    compiled_bspline.fill(position, _unit_rates(durations.shape[1]), np.ascontiguousarray(durations), result)
+    return _in_order(result, orders)
+
+
+@lru_cache
+def _unit_rates(n_segments: int) -> Floats:
+    """t'(u) of each unit duration, shape (n_segments, 3, n_segments): it depends on nothing but their number."""
+    unit = np.moveaxis(bspline.time_coefficients(np.eye(n_segments)), 0, -1)[:, 1:]
+    return np.ascontiguousarray(unit * np.array([1.0, 2.0, 3.0])[:, None])
+
+
+PEAKS = {"poly353": peaks_353, "cubic-spline": peaks_spline, "bspline": peaks_bspline}
+
+
+def warm_up() -> dict[str, float]:
+    """Compile every kernel, or read it from numba's cache; seconds for each curve."""
+    seconds = {}
+    for name, peaks in PEAKS.items():
+        begun = time.perf_counter()
+        peaks(np.arange(4.0)[:, None], np.ones((2, 3)), (1, 2))
+        seconds[name] = time.perf_counter() - begun
+    return seconds

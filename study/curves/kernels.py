@@ -1,0 +1,24 @@
+"""How every kernel is compiled: cached on disk, divisions as NumPy has them, products and sums fused where the machine can."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from numba import njit
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
+
+
+def kernel(function: F) -> F:
+    """Compile a function at its first call."""
+    compiled: Any = njit(**_OPTIONS)(function)
+    return compiled
+
+
+def inlined(function: F) -> F:
+    """Compile a function into its callers, so that their loops can become vector instructions."""
+    compiled: Any = njit(inline="always", **_OPTIONS)(function)
+    return compiled
