@@ -152,7 +152,11 @@ def _lineup(texts: Sequence[str] | None) -> tuple[Spec, ...]:
 
 @app.command()
 def report(out: Out = DEFAULT_OUT) -> None:
-    """Write tables, report and recordings of the last run again, from the stored results."""
+    """Write tables, report and recordings of the last run again, from the stored results.
+
+    After a run that was killed they show the cells that were finished: each was stored the moment it ended, and
+    recordings are made from the store, so none has to be mended.
+    """
     cells, sources = remembered_lineup(out / STORE_NAME)
     cases = {name: load_case(source) for name, source in sources.items()}
     with Store(out / STORE_NAME, cases, write=False) as store:

@@ -128,7 +128,9 @@ def write(cases: Mapping[str, Case], results: Sequence[Result], out: Path) -> tu
     from study.report.recording import record_case
 
     for case in cases.values():
-        record_case(case, [r for r in results if r.cell.case == case.name], recording_file(out, case.name))
+        own = [result for result in results if result.cell.case == case.name]
+        if own:  # a run that was stopped may not have come to every case
+            record_case(case, own, recording_file(out, case.name))
     return build_report(cases, results, out / "report", environment()), out / "recordings"
 
 
