@@ -13,15 +13,20 @@ from study.search.loop import Box
 Moved = tuple[Floats, Floats]
 
 
+def inside(box: Box, positions: Floats) -> Floats:
+    """Put what has left the box on its wall; as `numpy.clip`, which takes three times as long for fifty candidates."""
+    return np.minimum(np.maximum(positions, box.lower), box.upper)
+
+
 def clip(box: Box, positions: Floats, velocities: Floats) -> Moved:
     """Put it on the wall and keep its velocity; this can trap coordinates on the wall."""
-    return np.clip(positions, box.lower, box.upper), velocities
+    return inside(box, positions), velocities
 
 
 def stop(box: Box, positions: Floats, velocities: Floats) -> Moved:
     """Put it on the wall and zero the velocity that carried it there."""
     outside = (positions < box.lower) | (positions > box.upper)
-    return np.clip(positions, box.lower, box.upper), np.where(outside, 0.0, velocities)
+    return inside(box, positions), np.where(outside, 0.0, velocities)
 
 
 def reflect(box: Box, positions: Floats, velocities: Floats) -> Moved:
@@ -29,8 +34,7 @@ def reflect(box: Box, positions: Floats, velocities: Floats) -> Moved:
     outside = (positions < box.lower) | (positions > box.upper)
     period = 2 * box.width
     folded = np.mod(positions - box.lower, period)
-    inside = box.lower + np.minimum(folded, period - folded)
-    return inside, np.where(outside, -velocities, velocities)
+    return box.lower + np.minimum(folded, period - folded), np.where(outside, -velocities, velocities)
 
 
 def free(box: Box, positions: Floats, velocities: Floats) -> Moved:
@@ -64,4 +68,4 @@ def bounded(rule: str, box: Box, positions: Floats, velocities: Floats | None = 
     """
     if rule not in RULES:
         raise unknown("bounds rule", rule, RULES)
-    return RULES[rule](box, positions, np.zeros_like(positions) if velocities is None else velocities)
+    return RULES[rule](box, positions, np.zeros(positions.shape) if velocities is None else velocities)

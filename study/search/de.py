@@ -7,14 +7,14 @@ UR5 paper on SMWOA, Table 3, which names it and gives no setting; Storn and Pric
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from study.errors import StudyError
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box
+from study.search.loop import Box, evolved
 from study.search.population import PopulationState, check_share, spread_population
 
 SMALLEST_POPULATION = 4
@@ -64,7 +64,7 @@ class DE:
         mutant = a + self.factor * (b - c)
         crossed = rng.random((n, d)) < self.crossover
         crossed[np.arange(n), rng.integers(d, size=n)] = True
-        return replace(state, candidates=bounded(self.bounds, state.box, np.where(crossed, mutant, x))[0])
+        return evolved(state, candidates=bounded(self.bounds, state.box, np.where(crossed, mutant, x))[0])
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Keep each trial that is better than its parent."""
@@ -73,10 +73,14 @@ class DE:
 
 def three_others(n: int, rng: np.random.Generator) -> np.ndarray:
     """Draw for each of n members three different others, int array of shape (n, 3)."""
-    taken = np.arange(n)[:, None]
-    for left in range(n - 1, n - 4, -1):
-        pick = rng.integers(left, size=n)
-        for lower in np.sort(taken, axis=1).T:  # count past those that are taken, from the lowest
-            pick += pick >= lower
-        taken = np.column_stack([taken, pick])
-    return taken[:, 1:]
+    own = np.arange(n)
+    first = rng.integers(n - 1, size=n)
+    first += first >= own  # count past those that are taken, from the lowest
+    low, high = np.minimum(own, first), np.maximum(own, first)
+    second = rng.integers(n - 2, size=n)
+    second += second >= low
+    second += second >= high
+    third = rng.integers(n - 3, size=n)
+    for lower in (np.minimum(low, second), np.maximum(low, np.minimum(high, second)), np.maximum(high, second)):
+        third += third >= lower
+    return np.stack([first, second, third], axis=1)

@@ -12,17 +12,18 @@ Woodworking paper, Eqs. (25)-(28), which shows the initial a and b only; Tanyild
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box, State
+from study.search.loop import Box, State, evolved
 from study.search.pso import uniform_population
 from study.search.reading import is_printed
 
-TAU = (np.sqrt(5.0) - 1.0) / 2.0  # eq. (28)
+TAU = (math.sqrt(5.0) - 1.0) / 2.0  # eq. (28)
 
 
 @dataclass(frozen=True)
@@ -60,13 +61,19 @@ class Sections:
             Best value before them.
         rng : numpy.random.Generator
         """
-        sections = self
         before = np.minimum.accumulate(np.concatenate([[best], values[:-1]]))
+        a, b, x1, x2 = self.a, self.b, self.x1, self.x2
         for better in (values < before).tolist():
-            sections = sections.stepped(better)
-            if sections.x1 == sections.x2:
-                sections = Sections.of(-np.pi * rng.random(), np.pi * rng.random())
-        return sections
+            if better:
+                b, x2 = x2, x1
+                x1 = a + (1 - TAU) * (b - a)
+            else:
+                a, x1 = x1, x2
+                x2 = a + TAU * (b - a)
+            if x1 == x2:
+                fresh = Sections.of(-np.pi * rng.random(), np.pi * rng.random())
+                a, b, x1, x2 = fresh.a, fresh.b, fresh.x1, fresh.x2
+        return Sections(a, b, x1, x2)
 
 
 def golden_angles(
@@ -141,7 +148,7 @@ class GoldSA:
         r1, r2 = golden_angles((len(x), x.shape[1]), self.per_dimension, self.linked, rng)
         pull = np.abs(s.x1 * state.incumbent - s.x2 * x)
         x = x * np.abs(np.sin(r1)) - r2 * np.sin(r1) * pull  # eq. (25)
-        return replace(state, candidates=bounded(self.bounds, state.box, x)[0])
+        return evolved(state, candidates=bounded(self.bounds, state.box, x)[0])
 
     def tell(self, state: GoldState, values: Floats, rng: np.random.Generator) -> GoldState:
         """Remember the best and step the golden sections."""
@@ -149,6 +156,6 @@ class GoldSA:
         if state.generation and not is_printed(self.reading):
             sections = sections.after(values, state.incumbent_value, rng)
         incumbent, value = state.improved(values)
-        return replace(
+        return evolved(
             state, incumbent=incumbent, incumbent_value=value, generation=state.generation + 1, sections=sections
         )

@@ -9,7 +9,7 @@ Woodworking paper, Section 2.4, Eqs. (22)-(30).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from study.problem import Floats
 from study.search.bounds import bounded
 from study.search.chaos import MAPS, chaotic_population
 from study.search.gold_sa import Sections, golden_angles
-from study.search.loop import Box
+from study.search.loop import Box, evolved
 from study.search.pso import SwarmState, linear, swarm_at_rest, uniform_population
 from study.search.reading import is_printed
 from study.search.simple_pso import contracted
@@ -98,11 +98,11 @@ class GoldSPSO:
         own = self.cognitive * np.abs(np.sin(r1)) * (state.own_best - x)
         pull = self.social * r2 * np.sin(r1) * np.abs(s.x1 * state.incumbent - s.x2 * x)
         x = self.acceleration * (w * x + own - pull)  # eq. (30)
-        return replace(state, candidates=bounded(self.bounds, state.box, x)[0])
+        return evolved(state, candidates=bounded(self.bounds, state.box, x)[0])
 
     def tell(self, state: GoldenSwarmState, values: Floats, rng: np.random.Generator) -> GoldenSwarmState:
         """Remember what was better and step the golden sections."""
         sections = state.sections
         if self.golden_sine and state.generation and not is_printed(self.reading):
             sections = sections.after(values, state.incumbent_value, rng)
-        return replace(state.remembered(values), sections=sections)
+        return evolved(state.remembered(values), sections=sections)

@@ -9,13 +9,13 @@ equation numbers stand beside the lines.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box
+from study.search.loop import Box, evolved
 from study.search.population import PopulationState, badness, spread_population
 
 
@@ -58,7 +58,7 @@ class GSA:
         g = self.gravity * math.exp(-self.decay * state.progress)  # eq. (28)
         v = rng.random(x.shape) * state.velocities + g * self._pull(state, rng)  # eq. (11)
         x, v = bounded(self.bounds, state.box, x + v, v)  # eq. (12)
-        return replace(state, candidates=x, velocities=v)
+        return evolved(state, candidates=x, velocities=v)
 
     def tell(self, state: GravityState, values: Floats, rng: np.random.Generator) -> GravityState:
         """Take the new positions, better or not."""

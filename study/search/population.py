@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 
 from study.errors import StudyError, unknown
 from study.problem import Floats
-from study.search.loop import Box, State
+from study.search.loop import Box, State, evolved
 from study.search.pso import uniform_population
 
 
@@ -39,7 +39,7 @@ class PopulationState(State):
 
     def _told(self, members: Floats, kept: Floats, values: Floats) -> Self:
         incumbent, incumbent_value = self.improved(values)
-        return replace(
+        return evolved(
             self,
             members=members,
             values=kept,

@@ -7,7 +7,7 @@ Woodworking paper, Eqs. (19)-(21); AUBO paper, Eq. (11); PUMA560 paper, Section 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from study.errors import unknown
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box, State
+from study.search.loop import Box, State, evolved
 
 CLAMPS = ("absolute", "share")
 
@@ -40,7 +40,7 @@ class SwarmState(State):
         """Update own bests, Eq. (19) read as a comparison of fitness values, and the incumbent."""
         better = values < self.own_values
         incumbent, incumbent_value = self.improved(values)
-        return replace(
+        return evolved(
             self,
             own_best=np.where(better[:, None], self.candidates, self.own_best),
             own_values=np.where(better, values, self.own_values),
@@ -110,7 +110,7 @@ class Flight:
     def clamped(self, box: Box, velocities: Floats) -> Floats:
         """Cut velocities off at the clamp."""
         limit = self.clamp * box.width if self.unit == "share" else self.clamp
-        return np.clip(velocities, -limit, limit)
+        return np.minimum(np.maximum(velocities, -limit), limit)
 
 
 def flown(
@@ -135,7 +135,7 @@ def flown(
     v = w * state.velocities + c1 * r1 * (state.own_best - x) + c2 * r2 * (state.incumbent - x)  # eq. (20)
     v = flight.clamped(state.box, v)
     x, v = bounded(flight.bounds, state.box, x + v, v)  # eq. (21)
-    return replace(state, candidates=x, velocities=v)
+    return evolved(state, candidates=x, velocities=v)
 
 
 @dataclass(frozen=True)

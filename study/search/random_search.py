@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from study.problem import Floats
-from study.search.loop import Box, State
+from study.search.loop import Box, State, evolved
 from study.search.pso import uniform_population
 
 
@@ -22,9 +22,9 @@ class RandomSearch:
 
     def ask(self, state: State, rng: np.random.Generator) -> State:
         """Draw the next generation."""
-        return replace(state, candidates=uniform_population(state.box, len(state.candidates), rng))
+        return evolved(state, candidates=uniform_population(state.box, len(state.candidates), rng))
 
     def tell(self, state: State, values: Floats, rng: np.random.Generator) -> State:
         """Remember the best."""
         incumbent, value = state.improved(values)
-        return replace(state, incumbent=incumbent, incumbent_value=value, generation=state.generation + 1)
+        return evolved(state, incumbent=incumbent, incumbent_value=value, generation=state.generation + 1)

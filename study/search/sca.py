@@ -8,13 +8,13 @@ lines.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box
+from study.search.loop import Box, evolved
 from study.search.population import PopulationState, spread_population
 
 
@@ -44,7 +44,7 @@ class SCA:
         r2, r3, r4 = rng.random((3, *x.shape))
         swing = np.where(r4 < 0.5, np.sin(2.0 * np.pi * r2), np.cos(2.0 * np.pi * r2))
         moved = x + r1 * swing * np.abs(2.0 * r3 * state.incumbent - x)  # eq. (3.3)
-        return replace(state, candidates=bounded(self.bounds, state.box, moved)[0])
+        return evolved(state, candidates=bounded(self.bounds, state.box, moved)[0])
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Take the new positions, better or not."""

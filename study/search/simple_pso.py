@@ -10,14 +10,14 @@ Woodworking paper, Eq. (22); Hu and Li 2007.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box
+from study.search.loop import Box, evolved
 from study.search.pso import SwarmState, linear, swarm_at_rest, uniform_population
 
 W = TypeVar("W", bound=SwarmState)
@@ -29,7 +29,7 @@ def contracted(state: W, rng: np.random.Generator, weights: tuple[float, float, 
     x = state.candidates
     r1, r2 = rng.random((2, *x.shape))
     x = w * x + c1 * r1 * (state.own_best - x) + c2 * r2 * (state.incumbent - x)  # eq. (22)
-    return replace(state, candidates=bounded(bounds, state.box, x)[0])
+    return evolved(state, candidates=bounded(bounds, state.box, x)[0])
 
 
 @dataclass(frozen=True)

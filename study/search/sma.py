@@ -8,13 +8,13 @@ UR5 paper on SMWOA, Section 2.2, Eqs. (8)-(11), after Li et al. (2020).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box
+from study.search.loop import Box, evolved
 from study.search.population import PopulationState, badness, check_choice, check_share, spread_population
 from study.search.reading import is_printed
 
@@ -68,7 +68,7 @@ class SMA:
         nears = rng.random((n, d)) < approach_probability(state)
         moved = np.where(nears, approach, feedback(state, self.reading, rng) * x)
         moved = restarted(moved, state.box, rng, self.restart_share, self._restart())
-        return replace(state, candidates=bounded(self.bounds, state.box, moved)[0])
+        return evolved(state, candidates=bounded(self.bounds, state.box, moved)[0])
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Take the new positions, better or not."""
@@ -132,5 +132,6 @@ def fitness_weights(values: Floats, r: Floats, log_base: float) -> Floats:
     array of shape (n_candidates, n_dimensions)
     """
     span = np.log1p(badness(values))[:, None] / math.log(log_base)
-    first_half = np.argsort(np.argsort(values, kind="stable"), kind="stable") < len(values) / 2
-    return 1.0 + np.where(first_half[:, None], r, -r) * span
+    sign = np.full((len(values), 1), -1.0)
+    sign[np.argsort(values, kind="stable")[: (len(values) + 1) // 2]] = 1.0
+    return 1.0 + sign * r * span

@@ -7,12 +7,13 @@ UR5 paper on SMWOA, Section 3, Eqs. (12)-(15).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
+from study.search.loop import evolved
 from study.search.population import PopulationState, check_share
 from study.search.reading import is_printed
 from study.search.sma import approach_probability, arctanh_factor, feedback, fitness_weights, restarted
@@ -69,7 +70,7 @@ class SMWOA(WOA):
             moved = np.where(nears, moved, feedback(state, "standard", rng) * state.members)
         if self.restart_share > 0.0:
             moved = restarted(moved, state.box, rng, self.restart_share, "diagonal")
-        return replace(state, candidates=bounded(self.bounds, state.box, moved)[0])
+        return evolved(state, candidates=bounded(self.bounds, state.box, moved)[0])
 
     def _distances(
         self, state: PopulationState, draws: WhaleDraws, rng: np.random.Generator

@@ -8,14 +8,14 @@ Improved sparrow paper, Section 4, Eqs. (13)-(19) and Algorithm 1, after Xue and
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
 from study.search.chaos import chaotic_population, map_named
-from study.search.loop import Box
+from study.search.loop import Box, evolved
 from study.search.population import PopulationState, check_choice, check_share, new_population
 from study.search.pso import uniform_population
 from study.search.reading import is_printed
@@ -95,7 +95,7 @@ class SSA:
         moved[scouts] = self._scouts(state, x[scouts], values[scouts], (x[-1], float(values[-1])), rng)
         candidates = np.empty_like(moved)
         candidates[order] = bounded(self.bounds, state.box, moved)[0]
-        return replace(state, candidates=candidates)
+        return evolved(state, candidates=candidates)
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Keep what is better, Algorithm 1, line 14."""

@@ -8,13 +8,13 @@ fits all six functions of the table; the equations of Dhiman and Kaur (2019) mis
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box
+from study.search.loop import Box, evolved
 from study.search.population import PopulationState, spread_population
 
 
@@ -48,7 +48,7 @@ class STOA:
         turn = 1.0 + (sa - 1.0) * rng.random(x.shape)
         distance = sa * x + drift * (best - x)
         moved = distance * np.exp(self.spiral * turn) * np.cos(2.0 * np.pi * turn) + best
-        return replace(state, candidates=bounded(self.bounds, state.box, moved)[0])
+        return evolved(state, candidates=bounded(self.bounds, state.box, moved)[0])
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Take the new positions, better or not."""

@@ -7,13 +7,13 @@ UR5 paper on SMWOA, Section 2.1, Eqs. (1)-(7), after Mirjalili and Lewis (2016).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box
+from study.search.loop import Box, evolved
 from study.search.population import PopulationState, check_choice, spread_population
 
 DRAWS = ("whale", "component")
@@ -64,7 +64,7 @@ class WOA:
             return np.abs(draws.c * leader - x)  # D, D'', eqs. (4), (7)
 
         moved = whale_moves(draws, a, (best, r), (around(best), np.abs(best - x), around(r)), self.spiral)
-        return replace(state, candidates=bounded(self.bounds, state.box, moved)[0])
+        return evolved(state, candidates=bounded(self.bounds, state.box, moved)[0])
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Take the new positions, better or not."""
