@@ -11,15 +11,24 @@ from study.report.featured import Featured
 from study.report.rows import Entry, lower_bound
 from study.report.wording import plural
 
+EXACT = ("certified", "casadi-nlp")
+"""Planners that find the optimum of a joint, the one with a proof first."""
+
 SAME = 1e-6
 """Times closer than this share stand on one rung."""
 
-FREE_CAUSE = "the path between waypoints is free"
+FREE_CAUSE = "path: free between the waypoints"
+FIXED_CAUSE = "curve family: the path is given, but the speed along it is not tied to the form of the curve"
 CAUSES = {
-    "toppra": "the path is given, but the speed along it is not tied to the form of the curve",
-    "ruckig-stops": "the path between waypoints is free, but the arm stops at each of them",
-    "ruckig-via": "the path between waypoints is free and the arm passes them in motion",
+    "toppra": FIXED_CAUSE,
+    "topp3-nlp": FIXED_CAUSE + "; jerk is limited too",
+    "copp": FIXED_CAUSE + "; jerk is limited too",
+    "quintic-nlp": "curve family: quintic segments with free velocities and accelerations at the waypoints",
+    "free-path-nlp": "path: free between the waypoints, with several pieces of constant jerk or acceleration per segment",
+    "ruckig-stops": "path: free between the waypoints, but the arm stops at each of them",
+    "ruckig-via": "path: free between the waypoints, which the arm passes in motion",
 }
+"""Every cause begins with its kind: optimiser, synchronisation rule, curve family or path."""
 
 
 @dataclass(frozen=True)
@@ -93,44 +102,64 @@ def _base(rungs: Sequence[Rung], path: str) -> float:
 def _steps(case: Case, entries: Sequence[Entry], best: Featured) -> Iterator[Step]:
     if best.published is not None:
         yield "Published", best.published, best.published.duration, "as the paper prints it"
-    yield from _search_steps(case, entries)
-    if best.optimiser is not None:
-        cause = "what the search leaves on the table: the optimiser, on the same curve"
-        yield (
-            "Deterministic optimum, same curve",
-            best.optimiser,
-            best.optimiser.duration,
-            cause + _proof(entries),
-        )
+    yield from _curve_steps(case, entries, best)
     others = [entry for entry in entries if entry.row.kind == "deterministic" and entry.path == FREE_PATH]
     others = [entry for entry in others if entry.row.feasible] + ([best.fixed] if best.fixed is not None else [])
     for entry in sorted(others, key=lambda entry: -(entry.duration or 0.0)):
         cause = CAUSES.get(entry.planner, FREE_CAUSE)
-        yield entry.path.capitalize(), entry, entry.duration, cause
+        freer = "Freer curve, " if entry.planner == "quintic-nlp" else ""
+        yield (freer + entry.path).capitalize(), entry, entry.duration, cause
     for entry in entries:
         if entry.standing == "bound":
             yield "Lower bound", entry, entry.bound, "proved: no motion through the waypoints is faster"
 
 
-def _search_steps(case: Case, entries: Sequence[Entry]) -> Iterator[Step]:
-    """The paper's own planner, median and best, then the best search under its rule, then under shared durations."""
+def _curve_steps(case: Case, entries: Sequence[Entry], best: Featured) -> Iterator[Step]:
+    """On the paper's curve: its own planner, the best search and the optimum under its rule, then with shared durations."""
     searches = [entry for entry in entries if entry.row.kind == "search" and entry.row.feasible and entry.path == CURVE]
-    shown = next((entry for entry in searches if entry.label == case.planner), None)
-    if shown is not None:
-        runs = plural(shown.row.runs, "seed")
-        if shown.row.feasible_runs < shown.row.runs:
-            runs = f"the {shown.row.feasible_runs} feasible of {runs}"
-        cause = "our reading of the paper's method, every limit judged exactly"
-        yield f"Reproduced, median of {runs}", shown, shown.row.median, cause
-        if shown.row.feasible_runs > 1:
-            yield f"Reproduced, best of {runs}", shown, shown.row.best, "the luck of the seed"
-    rules = {case.settings.synchronisation: "another search or another formulation, same synchronisation"}
-    rules.setdefault("shared", "synchronisation: all joints share durations from the start")
-    for rule, cause in rules.items():
-        entry = min(_under(searches, rule), key=lambda one: one.row.best or 0.0, default=None)
-        if entry is not None and entry is not shown:
-            yield f"Best of all searches and seeds, {rule} durations", entry, entry.row.best, cause
-            shown = entry
+    own = next((entry for entry in searches if entry.label == case.planner), None)
+    if own is not None:
+        yield from _reproduced(own)
+    rule = case.settings.synchronisation
+    yield from _best_search(searches, rule, own, "optimiser: another search or another formulation, same rule")
+    if rule != "shared":
+        yield from _alone(entries)
+        cause = "synchronisation rule: all joints share durations from the start"
+        yield from _best_search(searches, "shared", own, cause)
+    if best.optimiser is not None:
+        cause = "optimiser: what the search leaves on the table, on the same curve" + _proof(entries)
+        yield "Deterministic optimum, same curve", best.optimiser, best.optimiser.duration, cause
+
+
+def _reproduced(own: Entry) -> Iterator[Step]:
+    runs = plural(own.row.runs, "seed")
+    if own.row.feasible_runs < own.row.runs:
+        runs = f"the {own.row.feasible_runs} feasible of {runs}"
+    cause = "optimiser: our reading of the paper's method, every limit judged exactly"
+    yield f"Reproduced, median of {runs}", own, own.row.median, cause
+    if own.row.feasible_runs > 1:
+        yield f"Reproduced, best of {runs}", own, own.row.best, "optimiser: the luck of the seed"
+
+
+def _best_search(searches: Sequence[Entry], rule: str, own: Entry | None, cause: str) -> Iterator[Step]:
+    entry = min(_under(searches, rule), key=lambda one: one.row.best or 0.0, default=None)
+    if entry is not None and entry is not own:
+        yield f"Best of all searches and seeds, {rule} durations", entry, entry.row.best, cause
+
+
+def _alone(entries: Sequence[Entry]) -> Iterator[Step]:
+    """The true optimum of every joint alone, put together by the paper's rule; it shows what the rule costs by itself.
+
+    A search that stops short of the joints' optima may end lower here: what is best for each is not best for all.
+    """
+    plain = [entry for entry in entries if entry.row.kind == "deterministic" and entry.row.feasible and entry.results]
+    known = {entry.planner: entry for entry in _under(plain, "per-joint") if entry.path == CURVE}
+    entry = next((known[name] for name in EXACT if name in known), None)
+    if entry is not None:
+        cause = (
+            "synchronisation rule: every joint at its own optimum, the longest duration of each segment taken for all"
+        )
+        yield "True optimum of every joint alone", entry, entry.duration, cause
 
 
 def _under(entries: Sequence[Entry], rule: str) -> list[Entry]:

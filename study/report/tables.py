@@ -59,6 +59,12 @@ COLUMNS = (
         "median above the shortest feasible time known for the same kind of path",
         _number(percent),
     ),
+    Column(
+        "gap_to_bound",
+        "To bound",
+        "median above the proved lower bound of any motion through the waypoints",
+        _number(percent),
+    ),
     Column("feasible", "Feasible", "runs that passed the judge, of all runs (one for each seed)", _plain, False),
     Column("worst_ratio", "Limit use", "largest peak over its limit; above 1 a limit is broken", _number(share)),
     Column(
