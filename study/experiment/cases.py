@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from study.curves import curve_named
 from study.datafiles import checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
+from study.experiment.case import Case, Published
 from study.experiment.casefile import SI, CaseFile, Limits, Printed, Rates, Unit, in_si, varied
 from study.experiment.execution import usual_settings
 from study.experiment.owncase import own_parts
@@ -21,127 +21,13 @@ from study.io.rows import parsed
 from study.planning import RunSettings
 from study.problem import EndCondition, Floats, JointLimits, Problem, frozen_array
 
+__all__ = ["Case", "Published", "case_names", "load_case", "own_case"]
+
 PAPERS_OWN = {"paper", "planner", "settings", "published"}
 """Fields that only a case of a paper has."""
 
 OWN_EVALUATIONS = 15000
 """Budget of the searches on a case of one's own under `study run --full`: as many as the woodworking paper spends."""
-
-
-@dataclass(frozen=True, eq=False)
-class Published:
-    """A result that a paper prints, as segment durations where it gives them.
-
-    Attributes
-    ----------
-    label : str
-        The paper's name for it, such as `GoldS-PSO`.
-    total : float, optional, s
-        Total time as printed.
-    durations : array of shape (n_segments,), s, optional
-    joint : int, optional
-        Counted from 0, where the durations belong to one joint alone.
-    source : str
-        Table or section.
-    """
-
-    label: str
-    total: float | None
-    durations: Floats | None
-    joint: int | None
-    source: str
-
-
-@dataclass(frozen=True, eq=False)
-class Case:
-    """One problem of the study and how its paper solves it.
-
-    Attributes
-    ----------
-    name : str
-    title : str
-        One line for people.
-    paper : str
-        Key of the paper, such as `woodworking-golds-pso`.
-    problem : Problem
-    curve : str
-        The paper's curve family, a name in `study.curves.CURVES`.
-    settings : RunSettings
-        The paper's population, budget, formulation and synchronisation.
-    planner : str
-        Registry name of the paper's own planner.
-    robot : str, optional
-        Name of a robot in `study.robots`.
-    units : tuple of str
-        `rad` or `m` for each joint.
-    published : tuple of Published
-    notes : tuple of str
-        What a reader must know: readings taken, values of ours.
-    default : bool
-        Whether `study run` takes the case without being asked.
-    fixed_joints : mapping of int to float, rad or m
-        Robot joints, counted from 0, that the problem leaves out and where they stand.
-    position_range : array of shape (2, n_joints), rad or m, optional
-        Range of positions that the paper prints; it is judged only where the problem's limits repeat it.
-    sources : mapping of str to str
-        Field of the case: the place in the paper it was read from, or `ours: ` and why.
-    obstacles : array of shape (n_obstacles, 2, 3), m
-        Lower and upper corners of boxes in the robot's base frame.
-    arm_radius : float, m
-        Of the capsules that stand for the links where obstacles are looked for.
-    limits_label : str
-        Which limits the problem has, in a word or two, such as `published` or `jerk-matched`.
-    variant_of : str
-        Name of the case that this one varies; empty for a case of its own.
-    """
-
-    name: str
-    title: str
-    paper: str
-    problem: Problem
-    curve: str
-    settings: RunSettings
-    planner: str
-    robot: str | None
-    units: tuple[str, ...]
-    published: tuple[Published, ...]
-    notes: tuple[str, ...]
-    default: bool = True
-    fixed_joints: Mapping[int, float] = field(default_factory=dict)
-    position_range: Floats | None = None
-    sources: Mapping[str, str] = field(default_factory=dict)
-    obstacles: Floats = field(default_factory=lambda: np.empty((0, 2, 3)))
-    arm_radius: float = 0.05
-    limits_label: str = "given"
-    variant_of: str = ""
-
-    def robot_configuration(self, q: ArrayLike) -> Floats:
-        """Put the joints that the problem leaves out back in their places.
-
-        Parameters
-        ----------
-        q : array of shape (n, n_joints), rad or m
-            Configurations of the problem.
-
-        Returns
-        -------
-        array of shape (n, n_robot_joints), rad or m
-
-        Raises
-        ------
-        StudyError
-            If the configurations have another number of joints than the problem.
-        """
-        moving = np.atleast_2d(np.asarray(q, dtype=float))
-        if moving.ndim != 2 or moving.shape[1] != self.problem.n_joints:
-            raise StudyError(
-                f"case {self.name!r}: configurations must have shape (n, {self.problem.n_joints}), got {np.shape(q)}"
-            )
-        whole = np.empty((len(moving), moving.shape[1] + len(self.fixed_joints)))
-        fixed = sorted(self.fixed_joints)
-        whole[:, fixed] = [self.fixed_joints[joint] for joint in fixed]
-        whole[:, np.setdiff1d(np.arange(whole.shape[1]), fixed)] = moving
-        return whole
 
 
 def case_names(default_only: bool = False) -> list[str]:
