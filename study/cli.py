@@ -11,10 +11,11 @@ from typing import Annotated
 import typer
 
 from study import terminal
-from study.commands import checking, own, torture
+from study.commands import checking, own, storing, torture
 from study.commands.runs import (
     DEFAULT_OUT,
     STORE_NAME,
+    Engine,
     Interrupted,
     Out,
     file_stem,
@@ -103,6 +104,13 @@ def run(
             "search got there; what goes on inside a cell is not shown before its end.",
         ),
     ] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Run stored cells again too.")] = False,
+    memory: Annotated[
+        int | None, typer.Option(help="MB that a worker may take beyond its libraries (Linux).", min=16)
+    ] = None,
+    dask: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Run on the workers of a Dask scheduler; `local` starts one.")
+    ] = None,
 ) -> None:
     """Run every case with every planner, then write tables, report and recordings.
 
@@ -111,13 +119,14 @@ def run(
     loaded = _cases(cases)
     budget = _budget(seeds, evaluations, full, time_limit)
     lineup = _lineup(planners)
+    engine = Engine(fresh, None if memory is None else memory * 10**6, dask)
     cells = make_cells([case for case, _ in loaded.values()], lineup, budget)
     chosen = {name: case for name, (case, _) in loaded.items()}
     console = make_console()
     with Store(out / STORE_NAME, chosen) as store:
         store.remember_lineup(cells, {name: source for name, (_, source) in loaded.items()})
         with watching(chosen, live, store.results(cells) if live else ()) as watch:
-            run_missing(cells, chosen, store, jobs, console, watch)
+            run_missing(cells, chosen, store, jobs, console, watch, engine)
         results = store.results(cells)
     show(chosen, results, out, console, report)
 
@@ -195,6 +204,8 @@ def digest(out: Out = DEFAULT_OUT) -> None:
     """Print one checksum of all stored results, wall times left out; equal studies print the same."""
     with Store(out / STORE_NAME, {}, write=False) as store:
         print(store.digest())
+        if cut_short := store.cut_short():
+            print(f"study: {cut_short} results were decided by a time limit and may differ elsewhere", file=sys.stderr)
 
 
 @app.command()
@@ -227,6 +238,7 @@ def show_case(name: Annotated[str, typer.Argument(metavar="NAME", help="Name or 
 
 checking.register(app)
 own.register(app)
+storing.register(app)
 torture.register(app)
 
 

@@ -110,7 +110,9 @@ def test_a_broken_executor_is_one_sentence_and_what_was_stored_stays(tmp_path, s
     with Store(tmp_path / "r.sqlite", cases) as store:
         executor = Breaking()
         run_cells(cells, cases, store, executor=executor)
-        with pytest.raises(StudyError, match=r"the executor gave up \(gone\); finished cells are stored"):
+        with pytest.raises(
+            StudyError, match=r"the executor gave up \(BrokenExecutor: gone\); finished cells are stored"
+        ):
             run_cells(make_cells([tiny_case], parse_specs("stub-seeded"), Budget(3)), cases, store, executor=executor)
         assert store.missing(cells) == []
 

@@ -1,3 +1,4 @@
+import io
 import json
 import os
 import sqlite3
@@ -92,10 +93,33 @@ def test_an_unknown_kind_of_motion_is_refused(cells):
         encode(result)
 
 
-def test_archives_with_pickled_objects_are_refused():
-    with pytest.raises(ValueError, match="allow_pickle"):
+def test_arrays_with_pickled_objects_are_refused():
+    with pytest.raises(ValueError, match="'a' is of object"):
         pack_arrays({"a": np.array([object()])})
-    assert unpack_arrays(pack_arrays({"a": np.arange(3.0)}))["a"].tolist() == [0, 1, 2]
+    archive = io.BytesIO()
+    np.savez(archive, a=np.array([object()]))
+    with pytest.raises(ValueError, match="allow_pickle=False"):
+        unpack_arrays(archive.getvalue())
+    crafted = pack_arrays({"a": np.zeros(1)}).replace(b'"<f8"', b'"|O8"')
+    with pytest.raises(ValueError, match="'a' is of object"):
+        unpack_arrays(crafted)
+
+
+def test_arrays_come_back_as_they_were_and_so_do_those_of_the_first_layout():
+    arrays = {
+        "a": np.arange(3.0),
+        "b": np.zeros((0, 2)),
+        "c": np.arange(6, dtype=np.int8).reshape(2, 3).T,
+        "d": np.array(True),
+    }
+    archive = io.BytesIO()
+    np.savez(archive, **arrays)
+    for blob in (pack_arrays(arrays), archive.getvalue()):
+        found = unpack_arrays(blob)
+        assert list(found) == list(arrays)
+        assert all(
+            same(found[name], np.ascontiguousarray(array).reshape(array.shape)) for name, array in arrays.items()
+        )
 
 
 def test_the_key_follows_the_content(tiny_problem, cells):

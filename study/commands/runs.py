@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -13,9 +15,10 @@ from rich.console import Console
 
 from study import terminal
 from study.experiment.cases import Case
+from study.experiment.engines import dask_executor
 from study.experiment.environment import environment
 from study.experiment.results import Cell, Result
-from study.experiment.runner import run_cells
+from study.experiment.runner import RunOptions, default_jobs, run_cells
 from study.experiment.store import Store
 from study.experiment.summary import summarise
 
@@ -25,6 +28,34 @@ INFEASIBLE = 3
 """Exit status where no feasible motion was found."""
 
 Out = Annotated[Path, typer.Option("--out", help="Folder of the results, the report and the recordings.")]
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Where and how cells are run.
+
+    Attributes
+    ----------
+    fresh : bool
+        Whether stored cells are run again.
+    memory : int, bytes, optional
+        Limit of every worker.
+    dask : str, optional
+        Address of a scheduler, or `local`; None for processes of our own.
+    """
+
+    fresh: bool = False
+    memory: int | None = None
+    dask: str | None = None
+
+    @contextmanager
+    def executor(self, jobs: int | None) -> Iterator[Executor | None]:
+        """Connect to the workers; None where the runner starts its own."""
+        if self.dask is None:
+            yield None
+            return
+        with dask_executor(self.dask, default_jobs() if jobs is None else jobs) as executor:
+            yield executor
 
 
 class Interrupted(Exception):
@@ -47,6 +78,7 @@ def run_missing(
     jobs: int | None,
     console: Console,
     watch: Callable[[Result], None] = lambda result: None,
+    engine: Engine | None = None,
 ) -> None:
     """Run the cells that are not stored yet, with a bar; `watch` is told of each once it is stored.
 
@@ -55,7 +87,8 @@ def run_missing(
     Interrupted
         On Ctrl-C.
     """
-    missing = store.missing(cells)
+    engine = Engine() if engine is None else engine
+    missing = list(cells) if engine.fresh else store.missing(cells)
     console.print(f"{len(cells)} cells, {len(cells) - len(missing)} of them stored already")
     done = 0
     with terminal.progress(console) as progress:
@@ -68,7 +101,9 @@ def run_missing(
             watch(result)
 
         try:
-            run_cells(missing, cases, store, jobs=jobs, on_result=finished)
+            with engine.executor(jobs) as executor:
+                options = RunOptions(engine.fresh, engine.memory)
+                run_cells(missing, cases, store, executor=executor, jobs=jobs, options=options, on_result=finished)
         except KeyboardInterrupt:
             raise Interrupted(
                 f"interrupted: {len(cells) - len(missing) + done} of {len(cells)} cells are stored in {store.path}; "

@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import math
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -25,15 +26,22 @@ MOTIONS: dict[str, type[Trajectory] | type[ParametricTrajectory]] = {
     "Trajectory": Trajectory,
     "ParametricTrajectory": ParametricTrajectory,
 }
+RESULTS_FORMAT = 2
+"""Counted up when what is stored about a cell changes its meaning, so that every cell is run again."""
+
 MEASURED = "_seconds"
 """Details whose names end so are wall times: kept, but outside what two equal runs have in common."""
 
+MAGIC = b"tos-arrays\n"
+"""Begins a stored block of arrays; a NumPy archive begins with PK."""
+
+_ENCODER = json.JSONEncoder(sort_keys=True, separators=(",", ":"))
 _VERDICT_SCALARS = ("duration", "continuity", "violation", "reasons")
 
 
 def canonical(document: object) -> str:
     """Write JSON in one fixed way: sorted keys, no spaces, shortest exact floats."""
-    return json.dumps(document, sort_keys=True, separators=(",", ":"))
+    return _ENCODER.encode(document)
 
 
 def problem_content(problem: Problem) -> dict[str, object]:
@@ -66,30 +74,66 @@ def cell_key(cell: Cell, problem: Problem, version: str) -> str:
     str
         SHA-256 in hexadecimal.
     """
-    content = {
-        "problem": problem_content(problem),
-        "planner": cell.planner,
-        "settings": asdict(cell.settings),
-        "version": version,
-    }
+    return cell_key_in(problem_digest(problem), cell, version)
+
+
+def problem_digest(problem: Problem) -> str:
+    """Checksum of everything a planner sees of a problem."""
+    return hashlib.sha256(canonical(problem_content(problem)).encode()).hexdigest()
+
+
+def cell_key_in(problem: str, cell: Cell, version: str) -> str:
+    """Name a cell, as `cell_key` does, from the checksum of its problem; a sweep makes each problem's once."""
+    content = [RESULTS_FORMAT, problem, cell.planner, settings_text(cell.settings), version]
     return hashlib.sha256(canonical(content).encode()).hexdigest()
 
 
+def settings_text(settings: RunSettings) -> str:
+    """Write run settings as JSON, the inverse of `settings_from`."""
+    return canonical(vars(settings))
+
+
 def pack_arrays(arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """Write named arrays as an uncompressed NumPy archive, which carries no time stamps."""
-    buffer = io.BytesIO()
-    np.savez(buffer, allow_pickle=False, **arrays)
-    return buffer.getvalue()
+    """Write named arrays one after the other behind a header that names them.
+
+    A NumPy archive says the same in three times the room and ten times the time.
+
+    Raises
+    ------
+    ValueError
+        If an array holds anything but numbers.
+    """
+    parts = {name: np.asarray(array, order="C") for name, array in arrays.items()}
+    for name, part in parts.items():
+        _check_numbers(name, part.dtype)
+    header = canonical([[name, array.dtype.str, array.shape] for name, array in parts.items()]).encode()
+    return b"".join((MAGIC, len(header).to_bytes(4, "little"), header, *(part.tobytes() for part in parts.values())))
 
 
 def unpack_arrays(blob: bytes) -> Arrays:
-    """Read what `pack_arrays` wrote; an archive with pickled objects is refused."""
-    with np.load(io.BytesIO(blob), allow_pickle=False) as archive:
-        return {name: archive[name] for name in archive.files}
+    """Read what `pack_arrays` wrote, or the NumPy archive of the first layout; pickled objects are refused."""
+    if not blob.startswith(MAGIC):
+        with np.load(io.BytesIO(blob), allow_pickle=False) as archive:
+            return {name: archive[name] for name in archive.files}
+    start = len(MAGIC) + 4
+    place = start + int.from_bytes(blob[len(MAGIC) : start], "little")
+    arrays: Arrays = {}
+    for name, text, shape in json.loads(blob[start:place]):
+        dtype = _check_numbers(name, np.dtype(text))
+        count = math.prod(shape)
+        arrays[name] = np.frombuffer(blob, dtype, count, place).reshape(shape).copy()
+        place += count * dtype.itemsize
+    return arrays
+
+
+def _check_numbers(name: str, dtype: np.dtype[Any]) -> np.dtype[Any]:
+    if dtype.kind not in "biuf":
+        raise ValueError(f"only arrays of numbers can be stored, {name!r} is of {dtype}")
+    return dtype
 
 
 def encode(result: Result) -> tuple[str, bytes]:
-    """Turn a result, without its cell and wall times, into a JSON document and an archive of arrays.
+    """Turn a result, without its cell and wall times, into a JSON document and a block of arrays.
 
     Raises
     ------

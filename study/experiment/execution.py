@@ -35,6 +35,8 @@ def execute(task: Task) -> Result:
         return judged(task, plan, wall_time)
     except StudyError as error:
         reason = str(error)
+    except MemoryError:
+        reason = "memory ran out"
     except Exception as error:  # a planner may raise anything; it is a record, not a crash
         reason = f"{type(error).__name__}: {error}"
     return failed(task.cell, reason, time.perf_counter() - started)

@@ -13,10 +13,15 @@ import pickle
 import queue
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
+from contextlib import contextmanager
 from multiprocessing.connection import Connection, wait
+from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
+
+MEMORY = Path("/proc/self/statm").exists()
+"""Whether this system can limit the memory of a worker."""
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -49,13 +54,15 @@ class WorkerPool(Executor):
         Number of worker processes.
     limit : callable (*args, **kwargs) -> float, s, optional
         Wall time after which a task with these arguments is stopped by killing its worker.
+    memory : int, bytes, optional
+        What a worker may take beyond what it has when its first task arrives; see `MEMORY`.
     """
 
-    def __init__(self, jobs: int, limit: Callable[..., float] | None = None) -> None:
+    def __init__(self, jobs: int, limit: Callable[..., float] | None = None, memory: int | None = None) -> None:
         self._limit = limit
         self._tasks: queue.SimpleQueue[_Task | None] = queue.SimpleQueue()
         self._closing = threading.Event()
-        self._workers = [_Worker(self._closing) for _ in range(jobs)]
+        self._workers = [_Worker(self._closing, memory) for _ in range(jobs)]
         self._threads = [threading.Thread(target=self._drive, args=(w,), daemon=True) for w in self._workers]
         for thread in self._threads:
             thread.start()
@@ -87,30 +94,29 @@ class WorkerPool(Executor):
                 future.cancel()
                 continue
             try:
-                future.set_result(self._called(worker, (fn, args, kwargs)))
+                limit = self._limit and self._limit(*args, **kwargs)
+                future.set_result(worker.call_again((fn, args, kwargs), limit))
             except Exception as error:  # whatever the task raised belongs to its future
                 future.set_exception(error)
         worker.kill()
-
-    def _called(self, worker: _Worker, message: tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]) -> Any:
-        """Do a task, and once more if its worker died: a crash of its own comes again, a kill from outside does not."""
-        _, args, kwargs = message
-        limit = self._limit and self._limit(*args, **kwargs)
-        try:
-            return worker.call(message, limit)
-        except WorkerDied:
-            if self._closing.is_set():
-                raise
-            return worker.call(message, limit)
 
 
 class _Worker:
     """One process and the pipe to it; started when first needed and again after a death."""
 
-    def __init__(self, closing: threading.Event) -> None:
-        self._closing = closing
+    def __init__(self, closing: threading.Event, memory: int | None = None) -> None:
+        self._closing, self.memory = closing, memory
         self._process: Any = None
         self._pipe: Connection | None = None
+
+    def call_again(self, message: tuple[Any, ...], limit: float | None) -> Any:
+        """Do a task, and once more if the process died: a crash of its own comes again, a kill from outside does not."""
+        try:
+            return self.call(message, limit)
+        except WorkerDied:
+            if self._closing.is_set():
+                raise
+            return self.call(message, limit)
 
     def call(self, message: tuple[Any, ...], limit: float | None) -> Any:
         """Let the process do one task, for at most `limit` seconds from when it is ready."""
@@ -133,12 +139,13 @@ class _Worker:
 
     def _start(self) -> None:
         self._pipe, theirs = _spawn.Pipe()
-        self._process = _spawn.Process(target=_serve, args=(theirs,), daemon=True)
+        self._process = _spawn.Process(target=_serve, args=(theirs, self.memory), daemon=True)
         with _starting:
             before = {name: os.environ.get(name) for name in _THREADS}
             os.environ.update(dict.fromkeys(_THREADS, "1"))  # read when the worker first imports NumPy
             try:
-                self._process.start()
+                with _children_allowed():
+                    self._process.start()
             finally:
                 for name, value in before.items():
                     os.environ.pop(name) if value is None else os.environ.update({name: value})
@@ -162,6 +169,37 @@ class _Worker:
         self._pipe = None
 
 
+_own = threading.local()
+
+
+def call_guarded(fn: Callable[P, T], limit: float, memory: int | None, /, *args: P.args, **kwargs: P.kwargs) -> T:
+    """Call a function in a process beside this one, which a crash or a hang does not take along.
+
+    Every thread keeps one such process for its next calls; it ends with the thread.
+
+    Raises
+    ------
+    WorkerDied, Overdue
+        As from the futures of a `WorkerPool`.
+    """
+    worker: _Worker | None = getattr(_own, "worker", None)
+    if worker is None or worker.memory != memory:
+        worker = _own.worker = _Worker(threading.Event(), memory)
+    return worker.call_again((fn, args, kwargs), limit)
+
+
+@contextmanager
+def _children_allowed() -> Iterator[None]:
+    """Let a daemonic process, such as a worker of Dask, have children: ours end when their parent does."""
+    config: dict[str, Any] = multiprocessing.current_process()._config  # type: ignore[attr-defined]
+    daemon = config.get("daemon")
+    config["daemon"] = False
+    try:
+        yield
+    finally:
+        config["daemon"] = daemon
+
+
 def _ending(code: int | None) -> str:
     if code is None or code >= 0:
         return f"ended with exit code {code}"
@@ -171,7 +209,7 @@ def _ending(code: int | None) -> str:
         return f"was ended by signal {-code}"
 
 
-def _serve(pipe: Connection) -> None:
+def _serve(pipe: Connection, memory: int | None = None) -> None:
     """Work off tasks until the other end closes; native chatter would spoil the display, so it goes nowhere."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the main process's business
     threading.Thread(target=_die_with_parent, daemon=True).start()
@@ -184,6 +222,9 @@ def _serve(pipe: Connection) -> None:
             fn, args, kwargs = pipe.recv()
         except EOFError:
             return
+        if memory is not None:
+            _limit_memory(memory)
+            memory = None
         outcome = _outcome(fn, args, kwargs)
         try:
             pipe.send(outcome)
@@ -196,6 +237,16 @@ def _outcome(fn: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, An
         return True, fn(*args, **kwargs)
     except Exception as error:  # travels to the future
         return False, error
+
+
+def _limit_memory(more: int) -> None:
+    """Let this process map so many bytes more than now; beyond, Python raises MemoryError and native code may abort."""
+    if MEMORY:
+        import resource
+
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        most = pages * resource.getpagesize() + more
+        resource.setrlimit(resource.RLIMIT_AS, (most, resource.getrlimit(resource.RLIMIT_AS)[1]))
 
 
 def _die_with_parent() -> None:

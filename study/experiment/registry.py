@@ -12,6 +12,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import cast
 
 from study.errors import StudyError, unknown
+from study.experiment.codeversion import code_digest
 from study.planning import Planner
 
 GROUP = "study.planners"
@@ -48,6 +49,11 @@ def planner_version(name: str) -> str:
     """Name and version of the distribution that brings a planner, such as `time-optimal-study 0.1.0`."""
     found = _entry(name, tuple(sys.path)).dist
     return f"{found.name} {found.version}" if found else "unknown"
+
+
+def planner_code(name: str) -> str:
+    """Version of a planner and checksum of its sources: a change of either makes every result of it another one."""
+    return f"{planner_version(name)}; code {code_digest(_entry(name, tuple(sys.path)).module)[:16]}"
 
 
 @cache

@@ -3,22 +3,47 @@
 from __future__ import annotations
 
 import os
+import queue
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from concurrent.futures import CancelledError, Executor, Future
+from contextlib import contextmanager
+from dataclasses import dataclass
 from itertools import islice
 
 from study.errors import StudyError
 from study.experiment.cases import Case
 from study.experiment.execution import Task, execute, failed
-from study.experiment.pool import Overdue, WorkerDied, WorkerPool
+from study.experiment.pool import Overdue, WorkerDied, WorkerPool, call_guarded
 from study.experiment.results import Cell, Result
 from study.experiment.store import Store
 from study.planning import Status
 
-__all__ = ["Task", "default_jobs", "execute", "hard_limit", "run_cells"]
+__all__ = ["RunOptions", "Task", "default_jobs", "execute", "hard_limit", "run_cells", "run_guarded"]
 
 WINDOW = 1000
 """Cells handed to the executor ahead of time; bounds the memory of a sweep of millions."""
+
+_Submit = Callable[[Task], Future[Result]]
+_Take = Callable[[Task, Callable[[], Result]], Result]
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How cells are run, none of which is part of a cell.
+
+    Attributes
+    ----------
+    fresh : bool
+        Whether cells that are stored are run again, each replacing the stored one as it finishes.
+    memory : int, bytes, optional
+        What a worker may take beyond its code and libraries.
+    """
+
+    fresh: bool = False
+    memory: int | None = None
+
+
+USUAL = RunOptions()
 
 
 def hard_limit(task: Task) -> float:
@@ -38,6 +63,7 @@ def run_cells(
     *,
     executor: Executor | None = None,
     jobs: int | None = None,
+    options: RunOptions = USUAL,
     on_result: Callable[[Result], None] = lambda result: None,
 ) -> None:
     """Run the cells that the store does not have yet.
@@ -49,9 +75,11 @@ def run_cells(
     store : Store
         Written only here, in the calling process, as each cell finishes.
     executor : concurrent.futures.Executor, optional
-        Where to run; a pool of processes of its own by default. Only that pool can stop an overdue cell.
+        Where to run; a pool of processes of its own by default. Whoever works for another one runs every cell in a process
+        beside its own, so that time limits, memory limits and crashes mean the same everywhere.
     jobs : int, optional
         Size of that pool; all processors by default.
+    options : RunOptions
     on_result : callable, optional
         Told of every result once it is stored.
 
@@ -60,46 +88,80 @@ def run_cells(
     StudyError
         If the store cannot be written or the executor gives up.
     """
-    missing = store.missing(cells)
-    if not missing:
+    cells = list(cells)
+    chosen = cells if options.fresh else store.missing(cells)
+    if not chosen:
         return
     jobs = default_jobs() if jobs is None else jobs
     if jobs < 1:
         raise StudyError(f"the number of jobs must be at least 1, got {jobs}")
-    own = WorkerPool(min(jobs, len(missing)), hard_limit) if executor is None else None
-    try:
-        for results in _finished([Task(cell, cases[cell.case].problem) for cell in missing], own or executor):
-            store.add(*results)
+    tasks = [Task(cell, cases[cell.case].problem) for cell in chosen]
+    with _submitting(executor, min(jobs, len(tasks)), options.memory) as (submit, take):
+        for results in _finished(tasks, submit, take):
+            store.add(*results, replace=options.fresh)
             for result in results:
                 on_result(result)
-    finally:
-        if own is not None:
-            own.shutdown(cancel_futures=True)
 
 
-def _finished(tasks: Sequence[Task], executor: Executor | None) -> Iterator[list[Result]]:
-    """Hand tasks out and give results back in the order in which they finish."""
-    if executor is None:
+@contextmanager
+def _submitting(executor: Executor | None, jobs: int, memory: int | None) -> Iterator[tuple[_Submit, _Take]]:
+    """How to hand a task over and take its answer: someone else's executor, or a pool that ends with the block."""
+    if executor is not None:
+        yield lambda task: executor.submit(run_guarded, task, memory), _answered
         return
-    waiting, running = iter(tasks), dict[Future[Result], Task]()
+    pool = WorkerPool(jobs, hard_limit, memory)
+    try:
+        yield lambda task: pool.submit(execute, task), _recorded
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _finished(tasks: Sequence[Task], submit: _Submit, take: _Take) -> Iterator[list[Result]]:
+    """Hand tasks out and give results back in the order in which they finish, as many at a time as are there."""
+    waiting, done = iter(tasks), queue.SimpleQueue[Future[Result]]()
+    running: dict[Future[Result], Task] = {}
     while True:
         for task in islice(waiting, WINDOW - len(running)):
-            running[executor.submit(execute, task)] = task
+            future = submit(task)
+            running[future] = task
+            future.add_done_callback(done.put)
         if not running:
             return
-        done, _ = wait(running, return_when=FIRST_COMPLETED)
-        yield [_outcome(future, running.pop(future)) for future in done]
+        ended = [done.get(), *(done.get_nowait() for _ in range(done.qsize()))]
+        results, lost = [], None
+        for future in ended:
+            try:
+                results.append(take(running.pop(future), future.result))
+            except StudyError as error:
+                lost = error
+        yield results
+        if lost is not None:
+            raise lost
 
 
-def _outcome(future: Future[Result], task: Task) -> Result:
+def _answered(task: Task, answer: Callable[[], Result]) -> Result:
+    """Take an executor's answer; where there is none, that says nothing about the cell."""
     try:
-        return future.result()
+        return answer()
+    except (Exception, CancelledError) as error:  # whatever it raises when it loses its workers
+        reason = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        raise StudyError(f"the executor gave up ({reason}); finished cells are stored: run again to go on") from error
+
+
+def run_guarded(task: Task, memory: int | None = None) -> Result:
+    """Run one cell in a process beside this one; what happens to it there becomes the result."""
+    limit = hard_limit(task)
+    return _recorded(task, lambda: call_guarded(execute, limit, memory, task))
+
+
+def _recorded(task: Task, answer: Callable[[], Result]) -> Result:
+    """Take an answer, or make a record of what came in its place."""
+    try:
+        return answer()
     except Overdue:
         limit = task.cell.settings.time_limit
         return failed(task.cell, f"stopped at the time limit of {limit:g} s", limit, Status.TIMED_OUT)
     except WorkerDied as error:
         return failed(task.cell, f"{error} during this cell", 0.0)
-    except BrokenExecutor as error:
-        raise StudyError(f"the executor gave up ({error}); finished cells are stored: run again to go on") from error
     except Exception as error:  # the answer could not travel, for instance
         return failed(task.cell, f"{type(error).__name__}: {error}", 0.0)

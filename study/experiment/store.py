@@ -1,7 +1,7 @@
 """Where results live: one SQLite file, one writer, every cell kept the moment it is finished.
 
 A row is named by the content of its cell (see `study.experiment.codec.cell_key`), so a cell that is computed twice is
-stored once and a changed case is a new cell. Every row carries a checksum of all of its result columns; wall time,
+stored once, and a changed case or changed code of a planner makes a new cell. Every row carries a checksum of all of its result columns; wall time,
 which no two runs share, is outside it.
 """
 
@@ -11,28 +11,31 @@ import hashlib
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict
-from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
 
 from study.errors import StudyError
 from study.experiment.cases import Case
-from study.experiment.codec import canonical, cell_key, decode, encode, encode_times, settings_from
-from study.experiment.registry import planner_version
-from study.experiment.results import Cell, Result
-from study.experiment.storefile import (
-    APPLICATION_ID,
-    SCHEMA,
-    SCHEMA_VERSION,
-    check_file,
-    explained,
-    locked,
-    make_folder,
-    read_only,
+from study.experiment.codec import (
+    canonical,
+    cell_key_in,
+    decode,
+    encode,
+    encode_times,
+    problem_digest,
+    settings_from,
+    settings_text,
 )
+from study.experiment.layout import SCHEMA_VERSION, lay_out
+from study.experiment.registry import planner_code
+from study.experiment.results import Cell, Result
+from study.experiment.storefile import check_file, explained, locked, make_folder, read_only
+from study.planning import Status
 
-_COLUMNS = "key, case_name, planner, settings, seed, version, status, feasible, duration, worst_ratio, evaluations"
+CHECKED = "key, case_name, planner, settings, seed, version, status, feasible, duration, worst_ratio, evaluations"
+"""Columns under a row's checksum, in their order."""
+
+_ROW = f"INSERT OR IGNORE INTO results ({CHECKED}, digest, wall_time, times, label) VALUES ({', '.join('?' * 15)})"  # noqa: S608
 _Row = tuple[object, ...]
 
 
@@ -58,7 +61,8 @@ class Store:
         self.path = path
         self.cases = cases
         self._lock: sqlite3.Connection | None = None
-        self._keys: dict[Cell, str] = {}
+        self._problems: dict[str, str] = {}
+        self._codes: dict[str, str] = {}
         if write:
             make_folder(path.parent)
             self._lock = locked(path)
@@ -90,27 +94,31 @@ class Store:
 
     def _opened(self, write: bool) -> sqlite3.Connection:
         if self.path.exists() and self.path.stat().st_size:
-            check_file(self.path)
+            layout = check_file(self.path)
+            if not write and layout < SCHEMA_VERSION:
+                Store(self.path, self.cases).close()  # brings an older file to this layout
         with explained(self.path):
-            if not write:
-                return sqlite3.connect(read_only(self.path), uri=True)
-            connection = sqlite3.connect(self.path, isolation_level=None)
-            try:
-                _prepare(connection)
-            except sqlite3.Error:
-                connection.close()
-                raise
-            return connection
+            return sqlite3.connect(read_only(self.path), uri=True) if not write else _prepared(self.path)
 
     def key(self, cell: Cell) -> str:
         """Name of a cell in the file."""
-        if cell not in self._keys:
-            code = f"{planner_version(cell.planner)}; study {version('time-optimal-study')}"
-            self._keys[cell] = cell_key(cell, self.cases[cell.case].problem, code)
-        return self._keys[cell]
+        if cell.case not in self._problems:
+            self._problems[cell.case] = problem_digest(self.cases[cell.case].problem)
+        return cell_key_in(self._problems[cell.case], cell, self._code(cell.planner))
 
-    def add(self, *results: Result) -> None:
-        """Keep results, all of them or, on failure, none; a cell that is there already stays as it is.
+    def _code(self, planner: str) -> str:
+        if planner not in self._codes:
+            self._codes[planner] = planner_code(planner)
+        return self._codes[planner]
+
+    def add(self, *results: Result, replace: bool = False) -> None:
+        """Keep results, all of them or, on failure, none.
+
+        Parameters
+        ----------
+        results : Result
+        replace : bool
+            Whether a result takes the place of a stored one of the same cell; else the stored one stays as it is.
 
         Raises
         ------
@@ -120,9 +128,15 @@ class Store:
         rows = [self._row(result) for result in results]
         with explained(self.path), self._transaction():
             for row, payload in rows:
-                marks = ", ".join("?" * len(row))
-                self._connection.execute(f"INSERT OR IGNORE INTO results VALUES ({marks})", row)  # noqa: S608
-                self._connection.execute("INSERT OR IGNORE INTO payloads VALUES (?, ?, ?)", (row[0], *payload))
+                if replace:
+                    self._forget(str(row[0]))
+                inserted = self._connection.execute(_ROW, row)
+                if inserted.rowcount:
+                    self._connection.execute("INSERT INTO payloads VALUES (?, ?, ?)", (inserted.lastrowid, *payload))
+
+    def _forget(self, key: str) -> None:
+        self._connection.execute("DELETE FROM payloads WHERE id = (SELECT id FROM results WHERE key = ?)", (key,))
+        self._connection.execute("DELETE FROM results WHERE key = ?", (key,))
 
     def _row(self, result: Result) -> tuple[_Row, tuple[str, bytes]]:
         cell, verdict = result.cell, result.verdict
@@ -131,16 +145,17 @@ class Store:
             self.key(cell),
             cell.case,
             cell.planner,
-            canonical(asdict(cell.settings)),
+            settings_text(cell.settings),
             cell.settings.seed,
-            planner_version(cell.planner),
+            self._code(cell.planner),
             result.status.name,
             int(verdict is not None and verdict.feasible),
             verdict.duration if verdict else None,
             verdict.worst_ratio if verdict else None,
             int(result.evaluations),
         )
-        return (*columns, _row_digest(columns, *payload), float(result.wall_time), encode_times(result)), payload
+        digest = row_digest(columns, *payload)
+        return (*columns, digest, float(result.wall_time), encode_times(result), cell.label), payload
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -155,9 +170,9 @@ class Store:
 
     def missing(self, cells: Iterable[Cell]) -> list[Cell]:
         """Cells that have no stored result, in the order given."""
+        question = "SELECT 1 FROM results WHERE key = ?"
         with explained(self.path):
-            known = {key for (key,) in self._connection.execute("SELECT key FROM results")}
-        return [cell for cell in cells if self.key(cell) not in known]
+            return [cell for cell in cells if not self._connection.execute(question, (self.key(cell),)).fetchone()]
 
     def results(self, cells: Iterable[Cell]) -> list[Result]:
         """Stored results of cells, in the order given; cells without one are left out.
@@ -172,13 +187,13 @@ class Store:
         return [self._checked(cell, row) for cell, row in found if row is not None]
 
     def _stored(self, key: str) -> _Row | None:
-        query = f"SELECT {_COLUMNS}, document, arrays, digest, wall_time, times FROM results JOIN payloads USING (key) WHERE key = ?"  # noqa: S608
+        query = f"SELECT {CHECKED}, document, arrays, digest, wall_time, times FROM results JOIN payloads USING (id) WHERE key = ?"  # noqa: S608
         row: _Row | None = self._connection.execute(query, (key,)).fetchone()
         return row
 
     def _checked(self, cell: Cell, row: _Row) -> Result:
         *columns, document, arrays, digest, wall_time, times = row
-        if _row_digest(tuple(columns), str(document), bytes(arrays)) != digest:  # type: ignore[call-overload]
+        if row_digest(tuple(columns), str(document), bytes(arrays)) != digest:  # type: ignore[call-overload]
             raise StudyError(
                 f"results file {self.path}: the row of {cell.label} on {cell.case} (seed {cell.settings.seed}) is damaged; "
                 "move the file away and run again"
@@ -195,12 +210,18 @@ class Store:
             For every case, the name or path it was loaded from.
         """
         rows = [
-            (i, cell.case, cell.planner, cell.label, canonical(asdict(cell.settings)), sources[cell.case])
+            (i, cell.case, cell.planner, cell.label, settings_text(cell.settings), sources[cell.case])
             for i, cell in enumerate(cells)
         ]
         with explained(self.path), self._transaction():
             self._connection.execute("DELETE FROM lineup")
             self._connection.executemany("INSERT INTO lineup VALUES (?, ?, ?, ?, ?, ?)", rows)
+
+    def cut_short(self) -> int:
+        """Count the results that a time limit decided; another run may end them elsewhere."""
+        with explained(self.path):
+            query = "SELECT count(*) FROM results WHERE status = ?"
+            return int(self._connection.execute(query, (Status.TIMED_OUT.name,)).fetchone()[0])
 
     def digest(self) -> str:
         """One checksum of all results without their wall times, whatever the order in which they came."""
@@ -209,15 +230,19 @@ class Store:
         return hashlib.sha256("\n".join(":".join(row) for row in rows).encode()).hexdigest()
 
 
-def _prepare(connection: sqlite3.Connection) -> None:
-    """Lay out a new file, or find out before any work is done that an old one cannot be written."""
-    connection.execute("PRAGMA journal_mode = WAL")
-    connection.execute("PRAGMA synchronous = NORMAL")
-    if connection.execute("PRAGMA user_version").fetchone()[0] == 0:
-        marks = f"PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION};"
-        connection.executescript(f"BEGIN; {SCHEMA} {marks} COMMIT;")
-    else:
+def _prepared(path: Path) -> sqlite3.Connection:
+    """Open a file for writing: lay it out, or find out before any work is done that it cannot be written."""
+    connection = sqlite3.connect(path, isolation_level=None)
+    try:
+        connection.execute("PRAGMA journal_mode = WAL")
+        connection.execute("PRAGMA synchronous = FULL")  # a finished cell outlives a power cut too
+        connection.execute("PRAGMA cache_size = -65536")  # KiB; holds the index of keys of a sweep
+        lay_out(connection)
         connection.execute("DELETE FROM lineup WHERE 0")
+    except sqlite3.Error:
+        connection.close()
+        raise
+    return connection
 
 
 def remembered_lineup(path: Path) -> tuple[list[Cell], dict[str, str]]:
@@ -230,7 +255,8 @@ def remembered_lineup(path: Path) -> tuple[list[Cell], dict[str, str]]:
     return cells, {row[0]: row[4] for row in rows}
 
 
-def _row_digest(columns: _Row, document: str, arrays: bytes) -> str:
+def row_digest(columns: _Row, document: str, arrays: bytes) -> str:
+    """Checksum of one result: its columns and its payload."""
     digest = hashlib.sha256(canonical(columns).encode())
     digest.update(document.encode())
     digest.update(arrays)

@@ -9,22 +9,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from study.errors import StudyError
+from study.experiment.layout import APPLICATION_ID, SCHEMA_VERSION
 
-SCHEMA_VERSION = 1
-APPLICATION_ID = 0x74_6F_73_31  # "tos1": tells our files from other SQLite files
-
-SCHEMA = """
-CREATE TABLE results (
-  key TEXT PRIMARY KEY, case_name TEXT NOT NULL, planner TEXT NOT NULL, settings TEXT NOT NULL, seed INTEGER NOT NULL,
-  version TEXT NOT NULL, status TEXT NOT NULL, feasible INTEGER NOT NULL, duration REAL, worst_ratio REAL,
-  evaluations INTEGER NOT NULL, digest TEXT NOT NULL, wall_time REAL NOT NULL, times TEXT NOT NULL
-) WITHOUT ROWID;
-CREATE TABLE payloads (key TEXT PRIMARY KEY REFERENCES results, document TEXT NOT NULL, arrays BLOB NOT NULL);
-CREATE TABLE lineup (
-  position INTEGER PRIMARY KEY, case_name TEXT NOT NULL, planner TEXT NOT NULL, label TEXT NOT NULL,
-  settings TEXT NOT NULL, source TEXT NOT NULL
-);
-"""
+CHECKED_WHOLE = 256 * 2**20
+"""Bytes up to which a file is read through whenever it is opened; of a larger one `study store verify` does that."""
 
 
 def make_folder(folder: Path) -> None:
@@ -62,15 +50,29 @@ def read_only(path: Path) -> str:
     return f"{path.absolute().as_uri()}?mode=ro{frozen}"
 
 
-def check_file(path: Path) -> None:
-    """Refuse a file that is damaged or not ours, without touching it."""
+def check_file(path: Path, *, whole: bool | None = None) -> int:
+    """Refuse a file that is damaged or not ours, without touching it.
+
+    Parameters
+    ----------
+    path : Path
+    whole : bool, optional
+        Whether to look at every page; by default only where the file is at most `CHECKED_WHOLE` bytes. Every row carries
+        a checksum of its own, which is compared whenever the row is read.
+
+    Returns
+    -------
+    int
+        The file's layout; 0 for an empty file.
+    """
     advice = "it is left untouched; move it away, or name another folder with --out"
+    whole = path.stat().st_size <= CHECKED_WHOLE if whole is None else whole
     try:
         connection = sqlite3.connect(read_only(path), uri=True)
         try:
-            verdict = connection.execute("PRAGMA integrity_check(1)").fetchone()[0]
+            verdict = connection.execute("PRAGMA integrity_check(1)").fetchone()[0] if whole else "ok"
             tables = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
-            application, schema = (
+            application, layout = (
                 connection.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version")
             )
         finally:
@@ -81,10 +83,11 @@ def check_file(path: Path) -> None:
         raise StudyError(f"results file {path} is damaged ({verdict.splitlines()[-1]}); {advice}")
     if tables and application != APPLICATION_ID:
         raise StudyError(f"{path} is an SQLite file of another program; {advice}")
-    if schema > SCHEMA_VERSION:
+    if layout > SCHEMA_VERSION:
         raise StudyError(
-            f"results file {path} has layout {schema}, this version reads up to {SCHEMA_VERSION}; {advice}"
+            f"results file {path} has layout {layout}, this version reads up to {SCHEMA_VERSION}; {advice}"
         )
+    return int(layout)
 
 
 @contextmanager
