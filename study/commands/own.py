@@ -36,7 +36,7 @@ from study.experiment.owncase import bare_content
 from study.experiment.registry import unavailable_planners
 from study.experiment.results import Result
 from study.experiment.store import Store, remembered_lineup
-from study.io.export import write_motion
+from study.io.export import form_of, write_motion
 from study.io.joint_trajectory import found_message
 from study.io.rows import parsed
 
@@ -79,6 +79,8 @@ def plan(
 ) -> None:
     """Plan one motion, have it judged and write it; ends with 3 where no feasible motion was found."""
     case, console = load_any(file, units, limits or []), make_console()
+    for path in save or []:
+        form_of(path)  # a wrong name is told before the work, not after it
     [spec] = parse_specs(planner) if planner != "auto" else [None]
     settings = replace(case.settings, seed=seed, evaluations=evaluations, time_limit=time_limit)
     if spec is not None:

@@ -71,16 +71,27 @@ def write_motion(motion: Motion, problem: Problem, path: Path, rate: float = 100
     StudyError
         If the ending is another, the rate is impossible or the file cannot be written.
     """
-    kind = ".exact.json" if path.name.endswith(".exact.json") else path.suffix.lower()
-    if kind not in WRITERS:
-        raise StudyError(f"cannot write {str(path)!r}: its name must end in one of {', '.join(WRITERS)}")
-    content = WRITERS[kind](motion, problem, rate)
+    content = WRITERS[form_of(path)](motion, problem, rate)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)
     except OSError as error:
         raise StudyError(f"cannot write {str(path)!r}: {error.strerror or error}; choose another place") from None
     return path
+
+
+def form_of(path: Path) -> str:
+    """Ending that says in which form a file is written.
+
+    Raises
+    ------
+    StudyError
+        If there is no such form.
+    """
+    kind = ".exact.json" if path.name.endswith(".exact.json") else path.suffix.lower()
+    if kind not in WRITERS:
+        raise StudyError(f"cannot write {str(path)!r}: its name must end in one of {', '.join(WRITERS)}")
+    return kind
 
 
 def csv_text(motion: Motion, problem: Problem, rate: float) -> str:
