@@ -21,6 +21,7 @@ from study.experiment.results import Cell, Result
 from study.experiment.runner import RunOptions, default_jobs, run_cells
 from study.experiment.store import Store
 from study.experiment.summary import summarise
+from study.report.motions import file_stem as file_stem
 
 DEFAULT_OUT = Path("study-output")
 STORE_NAME = "results.sqlite"
@@ -179,9 +180,3 @@ def recording_file(out: Path, name: str) -> Path:
     folder = out / "recordings"
     folder.mkdir(parents=True, exist_ok=True)
     return folder / f"{file_stem(name)}.rrd"
-
-
-def file_stem(name: str) -> str:
-    """A case's name as a file's name."""
-    kept = "".join(letter if letter.isalnum() or letter in "-_. " else "_" for letter in name).strip(" .")
-    return kept or "case"

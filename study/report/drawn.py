@@ -94,6 +94,20 @@ class Bar:
     solid: bool
 
 
+LANES = (-0.15, 0.0, -0.15, 0.17, 0.17)
+"""Height of every role above its case's line, so that level methods do not hide one another."""
+
+LABEL_ROOM = 74
+"""What a label takes beside its mark, pixels."""
+
+
+def crowded(row: HeadlineRow, mark: Mark, limits: tuple[float, float], width: float) -> bool:
+    """Whether another mark stands where a label to the right of this one would go."""
+    ratios = [one.ratio for one in row.marks if LANES[one.role] == LANES[mark.role] and one is not mark]
+    scale = width / np.log(limits[1] / limits[0])
+    return any(0 < np.log(ratio / mark.ratio) * scale < LABEL_ROOM for ratio in ratios)
+
+
 def headline_range(rows: Sequence[HeadlineRow], width: float) -> tuple[float, float]:
     """Range of ratios with room for a label on either side."""
     ratios = [1.0, *(mark.ratio for row in rows for mark in row.marks)]

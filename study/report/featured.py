@@ -72,7 +72,7 @@ def is_metaheuristic(entry: Entry) -> bool:
 
 def featured(entries: Sequence[Entry], velocity_only: bool = False) -> Featured:
     """Pick the entry of every kind; entries are ranked, so the first of a kind is its best."""
-    plain = [entry for entry in entries if entry.row.kind == "deterministic"]
+    plain = [entry for entry in entries if entry.row.kind == "deterministic" and entry.standing != "inapplicable"]
     return Featured(
         search=_first(entry for entry in entries if is_metaheuristic(entry) and entry.path == CURVE),
         optimiser=_cheapest_of_level([entry for entry in plain if entry.path == CURVE]),

@@ -20,6 +20,7 @@ from study.report.drawn import (
     DASHES,
     GRID,
     INK,
+    LANES,
     MARKERS,
     MUTED,
     PAPER,
@@ -29,6 +30,7 @@ from study.report.drawn import (
     Convergence,
     HeadlineRow,
     Series,
+    crowded,
     headline_range,
     sample_times,
     spaced_ticks,
@@ -196,11 +198,11 @@ def headline(key: str, rows: Sequence[HeadlineRow], reference: str, width: float
         _margins(figure, 4, 4, 44, 4)
         _grid(axes, "x")
         axes.axvline(1.0, color=INK, linewidth=1.4)
-        for level, row in enumerate(rows):
-            _headline_row(axes, level, row)
         axes.set_xscale("log")
-        axes.set(ylim=(len(rows) - 0.55, -0.8), yticks=[], xlabel=f"time against {reference}")
         axes.set_xlim(*headline_range(rows, width))
+        for level, row in enumerate(rows):
+            _headline_row(axes, level, row, width)
+        axes.set(ylim=(len(rows) - 0.55, -0.8), yticks=[], xlabel=f"time against {reference}")
         shown = spaced_ticks(axes.get_xlim(), width)
         axes.set_xticks(shown, [percent(ratio - 1).replace(".00", "").replace(".0", "") for ratio in shown])
         axes.minorticks_off()
@@ -214,11 +216,7 @@ def headline(key: str, rows: Sequence[HeadlineRow], reference: str, width: float
         )
 
 
-LANES = (-0.15, 0.0, -0.15, 0.17, 0.17)
-"""Height of every role above its case's line, so that level methods do not hide one another."""
-
-
-def _headline_row(axes: Axes, level: int, row: HeadlineRow) -> None:
+def _headline_row(axes: Axes, level: int, row: HeadlineRow, width: float) -> None:
     axes.annotate(
         row.title, (0.0, level), xycoords=("axes fraction", "data"), xytext=(0, 20), textcoords="offset points",
         fontweight="bold", va="bottom",
@@ -233,7 +231,7 @@ def _headline_row(axes: Axes, level: int, row: HeadlineRow) -> None:
             markerfacecolor=colour if mark.feasible else PAPER, clip_on=False,
         )  # fmt: skip
         if mark.ratio != 1.0:
-            left = mark.ratio < 1.0 and mark.role > 0
+            left = (mark.ratio < 1.0 and mark.role > 0) or crowded(row, mark, axes.get_xlim(), width)
             axes.annotate(
                 percent(mark.ratio - 1), (mark.ratio, height), xytext=(-9 if left else 9, 0),
                 textcoords="offset points", va="center", ha="right" if left else "left", color=colour,

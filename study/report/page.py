@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ from study.report import drawn, figures, wording
 from study.report.convergence import convergence_of
 from study.report.featured import ROLE_NAMES, ROLES, Featured, featured
 from study.report.ladder import Rung, ladder_of
+from study.report.motions import file_name, file_stem, motion_files, write_motions
 from study.report.papers import paper_of
 from study.report.rows import MEANING, Entry, entries_of, lower_bound
 from study.report.sentences import answer
@@ -49,7 +49,9 @@ class CaseReport:
     entries: tuple[Entry, ...]
     best: Featured
     rungs: tuple[Rung, ...]
+    motions: Mapping[str, str]
     recording: str | None
+    viewer: str | None
 
 
 def build_report(
@@ -83,6 +85,7 @@ def build_report(
         (out / "tables").mkdir(parents=True, exist_ok=True)
         for report in reports:
             write_tables(out / "tables", report.slug, [(report.case, report.entries)])
+            write_motions(out / "tables" / report.slug, report.case, report.entries, report.motions)
         write_tables(out / "tables", "all", [(report.case, report.entries) for report in reports])
         for name, text in pages.items():
             (out / f"{name}.html").write_text(text, encoding="utf-8", newline="\n")
@@ -98,20 +101,13 @@ def _case_reports(cases: Mapping[str, Case], results: Sequence[Result], out: Pat
     for case in cases.values():
         entries = entries_of(case, results)
         best = featured(entries, bool(np.isinf(case.problem.limits.acceleration).any()))
-        slug = _slug(case.name, {report.slug for report in reports})
-        recording = out.parent / "recordings" / f"{case.name}.rrd"
-        link = f"../recordings/{quote(case.name)}.rrd" if recording.is_file() else None
-        reports.append(CaseReport(case, slug, entries, best, ladder_of(case, entries, best), link))
+        slug = file_name(case.name, {report.slug for report in reports})
+        recording = out.parent / "recordings" / f"{file_stem(case.name)}.rrd"
+        link = f"../recordings/{quote(recording.name)}" if recording.is_file() else None
+        page = f"{slug}-viewer.html" if (out / f"{slug}-viewer.html").is_file() else None
+        rungs = ladder_of(case, entries, best)
+        reports.append(CaseReport(case, slug, entries, best, rungs, motion_files(entries), link, page))
     return reports
-
-
-def _slug(name: str, taken: set[str]) -> str:
-    """File name for a case: letters, digits, dot, dash and underscore only, and not one that is taken."""
-    stem = re.sub(r"[^A-Za-z0-9_.-]+", "-", name).strip(".-") or "case"
-    slug, number = stem, 2
-    while slug in taken | {"index", "all"}:
-        slug, number = f"{stem}-{number}", number + 1
-    return slug
 
 
 def _render(template: str, context: Mapping[str, object]) -> str:

@@ -1,0 +1,119 @@
+"""What a row of the report leads to: its motion as a file, its recording and the command that makes it again."""
+
+from __future__ import annotations
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import numpy as np
+import pytest
+
+from study.experiment.cases import Case, load_case
+from study.experiment.lineup import Budget, Spec, make_cells
+from study.experiment.results import Result
+from study.experiment.runner import Task, execute
+from study.report.drawn import HeadlineRow, Mark, crowded
+from study.report.featured import featured
+from study.report.motions import RATE, file_name, motion_files
+from study.report.page import build_report
+from study.report.rows import entries_of
+
+
+class Links(HTMLParser):
+    """Addresses of a page's links."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.found: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Keep where a link goes."""
+        self.found += [value for name, value in attrs if tag == "a" and name == "href" and value]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Case, list[Result], Path]:
+    case = load_case("puma560")
+    specs = [Spec("chaotic-spso", "scaled", "shared"), Spec("ruckig-stops"), Spec("toppra")]
+    cells = make_cells([case], specs, Budget(seeds=2, evaluations=100))
+    results = [execute(Task(cell, case.problem)) for cell in cells]
+    out = tmp_path_factory.mktemp("motions")
+    (out / "recordings").mkdir()
+    (out / "recordings" / "puma560.rrd").write_bytes(b"")
+    return case, results, build_report({case.name: case}, results, out / "report", {}).parent
+
+
+def test_every_motion_is_a_file_that_holds_it(made: tuple[Case, list[Result], Path]) -> None:
+    case, results, folder = made
+    entries = entries_of(case, results)
+    files = motion_files(entries)
+    assert {"chaotic-spso:scaled,shared", "ruckig-stops", "published: RRT-SPSO"} < files.keys()
+    assert {path.name for path in (folder / "tables" / "puma560").iterdir()} == set(files.values())
+    for entry in entries:
+        if entry.label in files and entry.row.joint is None:
+            assert entry.motion is not None
+            table = np.loadtxt(folder / "tables" / "puma560" / files[entry.label], delimiter=",", skiprows=1)
+            expected = [entry.motion(table[:, 0], order) for order in range(3)]
+            np.testing.assert_array_equal(table[:, 1:], np.hstack(expected))  # to the last bit
+            assert table[-1, 0] == entry.motion.duration
+            assert np.diff(table[:-1, 0]) == pytest.approx(1 / RATE)
+
+
+def test_every_row_leads_to_its_motion_its_recording_and_its_command(made: tuple[Case, list[Result], Path]) -> None:
+    case, results, folder = made
+    text = (folder / "puma560.html").read_text(encoding="utf-8")
+    files = motion_files(entries_of(case, results))
+    rows = re.findall(r'<th scope="row" data-value="([^"]*)">(.*?)</th>', text, re.DOTALL)
+    assert {name for name, _ in rows} >= files.keys()
+    for name, cell in rows:
+        links = Links(cell).found
+        assert links == ([f"tables/puma560/{files[name]}", "../recordings/puma560.rrd"] if name in files else [])
+        ran = any(result.cell.label == name for result in results)
+        assert (f"study run --cases puma560 --planners {name}" in cell) == ran
+
+
+def test_every_link_resolves(made: tuple[Case, list[Result], Path]) -> None:
+    folder = made[2]
+    for page in folder.glob("*.html"):
+        links = Links(page.read_text(encoding="utf-8")).found
+        assert len(links) > 5
+        for link in links:
+            place, _, mark = unquote(link).partition("#")
+            if not place.startswith("https://doi.org/"):
+                target = folder / place if place else page
+                assert target.is_file(), link
+                assert not mark or f'id="{mark}"' in target.read_text(encoding="utf-8")
+
+
+def test_a_judged_total_is_featured_before_a_shorter_one_that_cannot_be_judged(
+    made: tuple[Case, list[Result], Path],
+) -> None:
+    case, results, folder = made
+    best = featured(entries_of(case, results))
+    assert best.published is not None
+    assert (best.published.label, best.published.duration) == ("published: RRT-SPSO", pytest.approx(2.41665, abs=1e-9))
+    assert best.fixed is None  # TOPP-RA needs acceleration limits
+    index = (folder / "index.html").read_text(encoding="utf-8")
+    assert "2.4166 s" in index or "2.4167 s" in index
+    assert "2.0718 s" not in index
+
+
+def test_names_of_files_stay_apart_and_plain() -> None:
+    taken: dict[str, str] = {}
+    for label in ("pso:scaled,shared", "PSO:scaled,shared", "../x", "<b>", "index", "published: Gold"):
+        taken[label] = file_name(label, taken.values()) + ".csv"
+    assert list(taken.values()) == [
+        "pso-scaled-shared.csv", "PSO-scaled-shared-2.csv", "x.csv", "b.csv", "index-2.csv", "published-Gold.csv",
+    ]  # fmt: skip
+
+
+def test_labels_in_the_headline_make_way_for_marks() -> None:
+    near, far, other = Mark(3, 1.3, True), Mark(4, 1.8, True), Mark(0, 1.4, True)
+    row = HeadlineRow("case", (near, far, other))
+    assert crowded(row, near, (0.25, 4.0), 370.0)
+    assert not crowded(row, near, (0.25, 4.0), 1040.0)  # there is room
+    assert not crowded(row, far, (0.25, 4.0), 370.0)  # nothing stands to its right
+    assert not crowded(row, other, (0.25, 4.0), 370.0)  # another height
