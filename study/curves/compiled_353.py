@@ -67,39 +67,59 @@ def _step(f: Number, u: Number, low: Number, high: Number, sign: Number) -> Numb
 
 
 @inlined
+def _halley(f: Number, u: Number, low: Number, high: Number) -> Number:
+    """One step of Halley's: of third order too, without a square root, but at its worst near double roots."""
+    at = _cubic(f, u)
+    slope = (3.0 * f[3] * u + 2.0 * f[2]) * u + f[1]
+    bend = 3.0 * f[3] * u + f[2]
+    following = u - at * slope / (slope * slope - at * bend)
+    following = following if following > low else low
+    return following if following < high else high
+
+
+@inlined
 def _extremum(v: Number, f: Number, low: Number, high: Number, f_low: Number, f_high: Number) -> Number:
-    """Velocity at the acceleration's root between two points, and how far off it may be; any point serves without one."""
+    """Velocity at the acceleration's root between two points, squared rest and slope there; any point serves without one."""
     sign = 1.0 if f_high > f_low else -1.0
     u = low if abs(f_low) < abs(f_high) else high
     u = _step(f, u, low, high, sign)
     u = _step(f, u, low, high, sign)
-    u = _step(f, u, low, high, sign)
+    u = _halley(f, u, low, high)
     missed = _cubic(f, u)
-    off = missed * missed / (abs((3.0 * f[3] * u + 2.0 * f[2]) * u + f[1]) + 1e-300)
-    return abs(_quartic(v, u)), (off if f_low * f_high < 0.0 else 0.0)
+    slope = abs((3.0 * f[3] * u + 2.0 * f[2]) * u + f[1])
+    return abs(_quartic(v, u)), (missed * missed if f_low * f_high < 0.0 else 0.0), slope
+
+
+@kernel
+def _closed(f: Number, low: Number, high: Number, sign: Number) -> Number:
+    """Root of the cubic in a bracket, which shrinks at every step."""
+    u = 0.5 * (low + high)
+    for _ in range(100):
+        if sign * _cubic(f, u) > 0.0:
+            high = u
+        else:
+            low = u
+        following = _step(f, u, low, high, sign)
+        following = following if low < following < high else 0.5 * (low + high)
+        if abs(following - u) < 1e-10:  # an extremum needs a root only to sqrt(eps)
+            return following
+        u = following
+    return u
 
 
 @kernel
 def _settle(v: Number, f: Number) -> Number:
-    """Peak velocity on the unit interval by bisection with parabola steps; slow, sure and seldom needed."""
+    """Peak velocity on the unit interval, every root closed in to the end; slower, and seldom needed."""
     points = np.empty(4)
     points[0], points[3] = 0.0, 1.0
     points[1], points[2] = _turns(f)
     peak = 0.0
     for k in range(3):
         low, high = points[k], points[k + 1]
-        sign = 1.0 if _cubic(f, high) > _cubic(f, low) else -1.0
-        u = 0.5 * (low + high)
-        for _ in range(100):
-            if sign * _cubic(f, u) > 0.0:
-                high = u
-            else:
-                low = u
-            u = _step(f, u, low, high, sign)
-            peak = _larger(peak, abs(_quartic(v, u)))
-            u = u if low < u < high else 0.5 * (low + high)
-            if high - low < 1e-15:
-                break
+        f_low, f_high = _cubic(f, low), _cubic(f, high)
+        peak = _larger(peak, _larger(abs(_quartic(v, low)), abs(_quartic(v, high))))
+        if f_low * f_high < 0.0:
+            peak = _larger(peak, abs(_quartic(v, _closed(f, low, high, 1.0 if f_high > f_low else -1.0))))
     return peak
 
 
@@ -121,15 +141,17 @@ def _two_peaks(steps: Number, rates: Number, velocity: Number, acceleration: Num
     first, _, last = steps
     for i in range(rates.shape[1]):
         r1, r2, r3 = rates[0, i], rates[1, i], rates[2, i]
-        v, f, v2, a2 = _quintic(steps, r1 / r2, r3 / r2)
+        v, f, v2, a2 = _quintic(steps, rates[3, i], rates[4, i])
         x, y = _turns(f)
         f_x, f_y = _cubic(f, x), _cubic(f, y)
-        one, off_one = _extremum(v, f, 0.0, x, f[0], f_x)
-        two, off_two = _extremum(v, f, x, y, f_x, f_y)
-        three, off_three = _extremum(v, f, y, 1.0, f_y, a2)
+        one, rest_one, slope_one = _extremum(v, f, 0.0, x, f[0], f_x)
+        two, rest_two, slope_two = _extremum(v, f, x, y, f_x, f_y)
+        three, rest_three, slope_three = _extremum(v, f, y, 1.0, f_y, a2)
         peak = _larger(_larger(abs(v[0]), abs(v2)), _larger(_larger(one, two), three))
         velocity[i] = _larger(peak * r2, 3.0 * _larger(abs(first) * r1, abs(last) * r3))
-        doubt[i] = _larger(_larger(off_one, off_two), off_three) - SETTLED * peak
+        least = SETTLED * peak  # a Newton step adds rest / slope; multiplied out, because divisions are dear
+        beyond = _larger(rest_one - least * slope_one, rest_two - least * slope_two)
+        doubt[i] = _larger(beyond, rest_three - least * slope_three)
         peak = _larger(_larger(abs(f[0]), abs(a2)), _larger(abs(f_x), abs(f_y)))
         outer = 6.0 * _larger(abs(first) * r1 * r1, abs(last) * r3 * r3)
         acceleration[i] = _larger(peak * r2 * r2, outer)
@@ -141,7 +163,7 @@ def _jerks(steps: Number, rates: Number, jerk: Number) -> Number:
     first, _, last = steps
     for i in range(rates.shape[1]):
         r1, r2, r3 = rates[0, i], rates[1, i], rates[2, i]
-        _, f, _, _ = _quintic(steps, r1 / r2, r3 / r2)
+        _, f, _, _ = _quintic(steps, rates[3, i], rates[4, i])
         b, a = 2.0 * f[2], 3.0 * f[3]
         turn = _unit(-0.5 * b / a)
         peak = _larger(_larger(abs(f[1]), abs(f[1] + b + a)), abs((a * turn + b) * turn + f[1]))
@@ -165,9 +187,11 @@ def fill(waypoints: Floats, durations: Floats, result: Floats) -> int:
         How many curves the bracketing loop had to finish.
     """
     n = durations.shape[0]
-    rates, doubt = np.empty((3, n)), np.empty(n)
+    rates, doubt = np.empty((5, n)), np.empty(n)
     for i in range(n):
-        rates[0, i], rates[1, i], rates[2, i] = 1.0 / durations[i, 0], 1.0 / durations[i, 1], 1.0 / durations[i, 2]
+        for k in range(3):
+            rates[k, i] = 1.0 / durations[i, k]
+        rates[3, i], rates[4, i] = durations[i, 1] * rates[0, i], durations[i, 1] * rates[2, i]
     finished = 0
     for j in range(waypoints.shape[1]):
         own = (
@@ -179,7 +203,7 @@ def fill(waypoints: Floats, durations: Floats, result: Floats) -> int:
         for i in range(n):
             if doubt[i] > 0.0:
                 finished += 1
-                v, f, _, _ = _quintic(own, rates[0, i] / rates[1, i], rates[2, i] / rates[1, i])
+                v, f, _, _ = _quintic(own, rates[3, i], rates[4, i])
                 result[0, j, i] = _larger(result[0, j, i], _settle(v, f) * rates[1, i])
         if result.shape[0] == 3:
             _jerks(own, rates, result[2, j])
