@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections import Counter
 from collections.abc import Mapping
 from typing import Annotated
@@ -10,7 +11,7 @@ import typer
 from rich.table import Table
 
 from study import terminal
-from study.commands.runs import make_console
+from study.commands.runs import Interrupted, make_console
 from study.errors import StudyError
 from study.experiment.registry import planner_named
 from study.experiment.runner import default_jobs
@@ -38,18 +39,23 @@ def torture(
     jobs = default_jobs() if jobs is None else jobs
     if jobs < 1:
         raise StudyError(f"the number of jobs must be at least 1, got {jobs}")
-    console = make_console()
+    console, counts = make_console(), {name: Counter[str]() for name in names}
     with terminal.progress(console) as progress:
         task = progress.add_task("running", total=problems * len(names))
 
         def finished(outcome: Outcome) -> None:
             attempt = outcome.attempt
+            counts[attempt.planner][outcome.kind] += 1
             progress.update(task, advance=1, description=f"problem {attempt.number}: {attempt.planner}")
             if outcome.kind in MUST_NOT:
                 console.print(f"{outcome.kind}: {attempt.planner} on problem {attempt.number}: {outcome.sentence}")
 
-        counts = run_torture(names, problems, seed, time_limit, jobs, finished)
-    console.print(_table(counts, problems, seed))
+        with contextlib.suppress(KeyboardInterrupt):
+            run_torture(names, problems, seed, time_limit, jobs, finished)
+    done = min(count.total() for count in counts.values())
+    console.print(_table(counts, done, seed))
+    if done < problems:
+        raise Interrupted(f"interrupted after {done} of {problems} problems; the table counts what was done")
     if any(count[kind] for count in counts.values() for kind in MUST_NOT):
         raise typer.Exit(3)
 
