@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.deadline import noted
 from study.problem import Floats
 
 Bound = Callable[[Floats, Floats], Floats]
@@ -66,7 +67,7 @@ def enclose(
         upper, point = _improved(value, low, high, bounds, upper, point)
         open_ = bounds < upper * (1 - gap)
         lower = min(lower, float(bounds[~open_].min(initial=np.inf)))
-        if boxes > most or time.perf_counter() > deadline:
+        if boxes > most or noted(time.perf_counter() > deadline):
             lower = min(lower, float(bounds.min()))
             return Enclosure(min(lower, upper), upper, point, boxes, not open_.any())
         low, high = halves(low[open_], high[open_])

@@ -11,6 +11,7 @@ import numpy as np
 
 from baselines._extremal import Slots
 from baselines._transcription import Family, Scales, model_of
+from study.deadline import IPOPT_LATE, noted
 from study.problem import Floats, Problem
 
 EXACT = 1e-9
@@ -96,7 +97,7 @@ class Exchange:
         self.offer(x, threshold=FIRST, bent=False)
         best = Optimum(x, np.inf, np.inf, "the solver did not run", 0, 0, 0)
         for _ in range(MAX_ROUNDS):
-            if time.perf_counter() > self.deadline:
+            if noted(time.perf_counter() > self.deadline):
                 return replace(best, message="the time limit was reached")
             following, multipliers, stats = self._solve(best.x, multipliers)
             last, best = best, self._judged(best, following, stats)
@@ -132,4 +133,6 @@ class Exchange:
         p = self.family.parameters(self.problem, self.slots, self.scales)
         p = np.concatenate([p, x]) if self.model.rows.proximal else p
         answer = solver(x0=x, p=p, lbx=lbx, ubx=ubx, lbg=lbg, ubg=ubg, **multipliers)
-        return answer, solver.stats()
+        stats = solver.stats()
+        noted(stats["return_status"] == IPOPT_LATE)
+        return answer, stats

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baselines.closed_forms import rest_to_rest_time
+from study.deadline import IPOPT_LATE, noted
 from study.errors import StudyError
 from study.problem import EndCondition, Floats, Problem
 from study.trajectory import Trajectory
@@ -222,7 +223,9 @@ class Transcription:
         p = np.concatenate([part.ravel(order="F") for part in peaks])
         low, high = self._bounds()
         found = self._solver(x0=self._pack(start), p=p, lbx=low, ubx=high, lbg=self._lower, ubg=self._upper)
-        return self._unpack(np.asarray(found["x"]).ravel()), self._solver.stats()
+        stats = self._solver.stats()
+        noted(stats["return_status"] == IPOPT_LATE)
+        return self._unpack(np.asarray(found["x"]).ravel()), stats
 
     @property
     def middles(self) -> Peaks:

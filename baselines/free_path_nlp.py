@@ -20,6 +20,7 @@ import numpy as np
 from baselines._free_path_transcription import Nodes, Transcription, Units, realise
 from baselines.closed_forms import rest_to_rest_time
 from study.curves import CURVES
+from study.deadline import noted
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import Plan, RunSettings, Status
@@ -123,7 +124,7 @@ def improve(problem: Problem, transcription: Transcription, start: Nodes, deadli
         nodes, stats = transcription.solve(nodes, peaks)
         iterations += int(stats["iter_count"])
         results.append(_finished(problem, units.back(nodes), bool(stats["success"]), str(stats["return_status"])))
-        if not stats["success"] or results[-1].stretch <= 1 + ENOUGH or time.monotonic() > deadline:
+        if not stats["success"] or results[-1].stretch <= 1 + ENOUGH or noted(time.monotonic() > deadline):
             break
         peaks = transcription.moved(peaks, nodes)
     return replace(min(results, key=lambda result: result.rank), iterations=iterations)

@@ -26,6 +26,7 @@ from scipy.optimize import linprog
 from baselines._via_times import Model, Passing, Timing
 from baselines.free_path_nlp import free_path
 from baselines.ruckig_moves import at_rest, chain, in_own_time, ruckig_module
+from study.deadline import noted
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import Plan, RunSettings, Status
@@ -61,7 +62,7 @@ def improve(timing: Timing, x: Floats, deadline: float, rounds: int) -> tuple[Fl
     if not np.isfinite(times).all():
         return x, np.inf, 0
     model, radius, done = timing.model(x, times, own), FIRST_RADIUS, 0
-    while done < rounds and radius > LAST_RADIUS and time.monotonic() < deadline:
+    while done < rounds and radius > LAST_RADIUS and not noted(time.monotonic() >= deadline):
         trial, promised = linear_step(timing.passing, x, model, radius)
         gain = model.times.sum() - promised
         if gain <= GAIN * model.times.sum():

@@ -19,6 +19,7 @@ import numpy as np
 from baselines._transcription import ca, require_casadi
 from baselines.toppra_retiming import Path, chord_path
 from study import polynomial
+from study.deadline import IPOPT_LATE, noted
 from study.judge import judge
 from study.planning import Plan, RunSettings, Status
 from study.problem import EndCondition, Floats, Problem
@@ -108,6 +109,7 @@ class Transcription:
         low = np.concatenate([np.full(n, SHORTEST), np.full(n, -np.inf), np.zeros(n), np.full(2 * n, -np.inf)])
         found = solver(x0=self._cruise() if guess is None else guess, lbx=low, lbg=-bound, ubg=bound)
         stats = solver.stats()
+        noted(stats["return_status"] == IPOPT_LATE)
         return np.array(found["x"]).ravel(), bool(stats["success"]), int(stats["iter_count"])
 
     def _rates(self, piece: int, fractions: Floats, state: tuple[Any, ...]) -> Any:

@@ -187,19 +187,21 @@ def test_a_million_cells_stay_usable(tmp_path, tiny_case, results):
     cell = results[1].cell
     path = tmp_path / "r"
     with Store(path, {"tiny": tiny_case}) as store:
-        begun = time.perf_counter()
+        begun, worked = time.perf_counter(), time.process_time()
         for first in range(0, n, 5000):
             cells = (replace(cell, settings=replace(cell.settings, seed=seed)) for seed in range(first, first + 5000))
             store.add(*(replace(results[1], cell=one) for one in cells))
-        inserted = n / (time.perf_counter() - begun)
-    begun = time.perf_counter()
+        wall, work = n / (time.perf_counter() - begun), n / (time.process_time() - worked)
+    begun, worked = time.perf_counter(), time.process_time()
     rows = tallies(path)
-    tallied = time.perf_counter() - begun
-    size = path.stat().st_size
-    print(f"\n{n} cells: {inserted:,.0f} inserted/s, tally {tallied:.2f} s, {size / n:,.0f} bytes each")
+    tallied = time.perf_counter() - begun, time.process_time() - worked
+    print(
+        f"\n{n} cells: {wall:,.0f} inserted/s ({work:,.0f} per second of processor time), "
+        f"tally {tallied[0]:.2f} s ({tallied[1]:.2f} s), {path.stat().st_size / n:,.0f} bytes each"
+    )
     assert [row.cells for row in rows] == [n]
-    assert tallied < 2
-    assert inserted >= 5000
+    assert tallied[1] < 2  # processor time: other programs on the machine are not the store's doing
+    assert work >= 5000
 
 
 KILLED = """

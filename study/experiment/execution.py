@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from study.deadline import watched
 from study.errors import StudyError
 from study.experiment.codec import check_storable
 from study.experiment.registry import planner_named
@@ -30,9 +31,10 @@ def execute(task: Task) -> Result:
     try:
         planner = planner_named(task.cell.planner)
         started = time.perf_counter()
-        plan = planner.plan(task.problem, task.cell.settings)
+        with watched() as watch:
+            plan = planner.plan(task.problem, task.cell.settings)
         wall_time = time.perf_counter() - started
-        return judged(task, plan, wall_time)
+        return judged(task, cut_short(plan) if watch.reached else plan, wall_time)
     except StudyError as error:
         reason = str(error)
     except MemoryError:
@@ -40,6 +42,12 @@ def execute(task: Task) -> Result:
     except Exception as error:  # a planner may raise anything; it is a record, not a crash
         reason = f"{type(error).__name__}: {error}"
     return failed(task.cell, reason, time.perf_counter() - started)
+
+
+def cut_short(plan: Plan) -> Plan:
+    """Say of a plan that the clock had a part in it: with more time, or on another machine, it might be another."""
+    message = "; ".join(filter(None, (plan.message, "a time limit inside the planner was reached")))
+    return replace(plan, status=Status.TIMED_OUT, message=message)
 
 
 def judged(task: Task, plan: Plan, wall_time: float) -> Result:

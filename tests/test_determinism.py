@@ -1,0 +1,115 @@
+import shutil
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from study.deadline import noted, watched
+from study.experiment.cases import load_case
+from study.experiment.codeversion import _imports, code_digest
+from study.experiment.lineup import Budget, make_cells, parse_specs
+from study.experiment.registry import planner_code
+from study.experiment.runner import Task, execute, run_cells
+from study.experiment.store import Store
+from study.planning import Status
+
+
+def digest_of(folder, jobs, planners, seeds):
+    case = load_case("woodworking")
+    cells = make_cells([case], parse_specs(planners), Budget(seeds, 300))
+    with Store(folder / f"{jobs}.sqlite", {case.name: case}) as store:
+        run_cells(cells, {case.name: case}, store, jobs=jobs)
+        results = store.results(cells)
+        return len(results), store.digest(), store.cut_short()
+
+
+def test_a_study_has_the_same_results_with_one_worker_and_with_three(tmp_path):
+    planners = "pso,golds-pso:scaled,shared,smwoa,tadf-ssa,casadi-nlp,toppra,ruckig-stops"
+    one, three = (digest_of(tmp_path, jobs, planners, 2) for jobs in (1, 3))
+    assert one == three
+    assert one[0] == 11
+    assert one[2] == 0
+
+
+@pytest.mark.parametrize(
+    "planner", ["certified", "casadi-nlp", "ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp"]
+)
+def test_what_a_clock_decided_says_so(planner):
+    """With next to no time every planner that looks at the clock must say that it did."""
+    case = load_case("woodworking")
+    problem = replace(case.problem, limits=replace(case.problem.limits, jerk=np.full(case.problem.n_joints, 60.0)))
+    cell = make_cells([case], parse_specs(planner), Budget(1, 50, 1e-4))[0]
+    result = execute(Task(cell, problem))
+    assert result.status in (Status.TIMED_OUT, Status.FAILED)
+    assert result.status is not Status.FAILED or "time" in result.message.lower()
+    if result.status is Status.TIMED_OUT:
+        assert result.message.endswith("a time limit inside the planner was reached")
+
+
+def test_deadlines_are_noted_however_deep_and_only_inside_the_block():
+    with watched() as outer:
+        assert not noted(False)
+        assert not outer.reached
+        with watched() as inner:
+            assert noted(True)
+        assert (inner.reached, outer.reached) == (True, False)
+    assert noted(True)
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A package whose planner uses one of its modules and not the other."""
+    folder = tmp_path / "strange"
+    folder.mkdir()
+    files = {
+        "__init__": "",
+        "planner": "from . import used\nfrom .deeper import more\nfrom study.curves import curve_named\n",
+        "used": "X = 1\n",
+        "unused": "Y = 1\n",
+        "deeper/__init__": "import strange.last\n",
+        "deeper/more": "raise RuntimeError('nothing is run to read what it imports')\n",
+        "last": "",
+    }
+    for name, text in files.items():
+        (folder / f"{name}.py").parent.mkdir(exist_ok=True)
+        (folder / f"{name}.py").write_text(text)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    return folder
+
+
+def fresh_digest(module):
+    for cached in (
+        code_digest,
+        _imports,
+        *(vars(sys.modules[code_digest.__module__])[n] for n in ("_source", "_text", "_file_digest")),
+    ):
+        cached.cache_clear()
+    return code_digest(module)
+
+
+def test_code_that_a_planner_uses_is_part_of_its_version_and_no_other(package):
+    first = fresh_digest("strange.planner")
+    for name, matters in [("unused", False), ("used", True), ("deeper/more", True), ("last", True), ("__init__", True)]:
+        file, before = package / f"{name}.py", fresh_digest("strange.planner")
+        file.write_text(file.read_text() + "Z = 1\n")
+        assert (fresh_digest("strange.planner") != before) == matters, name
+    assert fresh_digest("strange.planner") != first
+
+
+def test_the_digest_does_not_depend_on_where_the_package_stands_or_how_its_lines_end(package, tmp_path, monkeypatch):
+    before = fresh_digest("strange.planner")
+    shutil.copytree(package, tmp_path / "elsewhere" / "strange")
+    shutil.rmtree(package)
+    for file in (tmp_path / "elsewhere").rglob("*.py"):
+        file.write_bytes(file.read_bytes().replace(b"\n", b"\r\n"))
+    monkeypatch.syspath_prepend(str(tmp_path / "elsewhere"))
+    assert fresh_digest("strange.planner") == before
+
+
+def test_planners_that_share_nothing_have_versions_of_their_own():
+    versions = {name: planner_code(name) for name in ("pso", "toppra", "ruckig-stops", "casadi-nlp")}
+    assert len(set(versions.values())) == 4
+    assert all(version.startswith("time-optimal-study ") for version in versions.values())
+    assert Path(sys.modules["study"].__file__).is_file()
