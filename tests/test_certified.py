@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from baselines._bounds353 import Bounds353, peak_instants
+from baselines._bounds_spline import Relaxation, Units, spline_bound, velocity_ranges
 from baselines._branch_bound import enclose, halves
 from baselines.casadi_nlp import optimise
 from baselines.certified import CERTIFIED, GAP, certify, obstacle
 from study import JointLimits, Problem, judge
 from study.curves import CURVES
+from study.experiment.cases import load_case
 from study.formulation import Scaled
 from study.planning import RunSettings, Status
 from tests.test_casadi_nlp import WOODWORKING, random_problem
@@ -96,7 +98,14 @@ def test_the_planner_reports_its_bounds() -> None:
     assert together.details["boxes"] >= 1
 
 
-@pytest.mark.parametrize(("curve", "n", "word"), [("bspline", 4, "bspline"), ("poly353", 5, "4 waypoints")])
+@pytest.mark.parametrize(
+    ("curve", "n", "word"),
+    [
+        ("cubic-spline-smooth", 4, "cubic-spline-smooth"),
+        ("poly353", 5, "4 waypoints"),
+        ("cubic-spline", 8, "at most 6"),
+    ],
+)
 def test_elsewhere_it_does_not_apply(curve: str, n: int, word: str) -> None:
     plan = CERTIFIED.plan(random_problem(0, n, 2), RunSettings(curve))
     assert plan.status is Status.NOT_APPLICABLE
@@ -136,3 +145,57 @@ def test_peak_instants_include_the_highest_peak() -> None:
         at = peak_instants(polynomials)
         found = np.abs((at[..., None] ** np.arange(degree + 1) * polynomials[:, None]).sum(axis=-1)).max(axis=1)
         assert (found >= highest * (1 - 1e-5)).all()
+
+
+def test_a_b_spline_is_enclosed_by_its_linear_programme() -> None:
+    problem = load_case("ur5-bspline").problem
+    plan = CERTIFIED.plan(problem, RunSettings("bspline"))
+    assert plan.details["lower_bound"] == pytest.approx(11.70689, abs=1e-5)
+    assert plan.details["upper_bound"] == pytest.approx(11.70725, abs=1e-5)
+    assert plan.status is Status.NOT_CONVERGED
+    assert "3.1e-05 of the time apart" in plan.message
+    assert judge(problem, plan.motion).feasible
+
+
+def test_the_five_segment_cubic_spline_is_enclosed_to_a_thousandth() -> None:
+    problem = load_case("ur5-bspline-rest").problem
+    plan = CERTIFIED.plan(problem, RunSettings("cubic-spline"))
+    assert plan.details["upper_bound"] == pytest.approx(11.01696, abs=1e-4)
+    assert 0.999 * 0.9999 <= plan.details["lower_bound"] / plan.details["upper_bound"] < 1
+    assert judge(problem, plan.motion).feasible
+
+
+@pytest.mark.parametrize("rates", [(1.0, 2.0, 8.0), (1.0, np.inf, np.inf), (1.0, 0.3, np.inf), (1.0, 1e3, 1.0)])
+@pytest.mark.parametrize("seed", range(2))
+def test_no_cubic_spline_beats_its_bound(seed: int, rates: tuple[float, float, float]) -> None:
+    problem = replace(random_problem(seed, 4 + seed, 2, rates), duration_bounds=(0.05, 10.0))
+    best = optimise(problem, "cubic-spline").durations
+    total = float(best.sum())
+    values = [spline_bound(problem, total, most)[0] for most in (1, 20, 100)]
+    assert values[0] * (1 - 1e-9) <= values[1] <= values[2] * (1 + 1e-9)
+    assert 0.95 * total < values[2] <= total
+    scaled, rng = Scaled(problem, CURVES["cubic-spline"]), np.random.default_rng(seed)
+    sample = best * np.exp(np.geomspace(1e-4, 1.5, 5000)[:, None] * rng.normal(size=(5000, len(best))))
+    assert scaled(sample).min() >= values[2]
+    # told of a slower motion only, it still stays below the optimum
+    assert spline_bound(problem, 1.3 * total, 40)[0] <= total
+
+
+@pytest.mark.parametrize("rates", [(1.0, 2.0, 8.0), (1.0, 1e3, 1e5), (1e3, 1.0, 1e5), (1e3, 1e3, 1.0)])
+def test_a_feasible_spline_is_never_relaxed_away(rates: tuple[float, float, float]) -> None:
+    """Boxes around feasible durations, of every size: their programme has a solution that is no longer than they are."""
+    problem = random_problem(5, 5, 2, rates)
+    scaled, rng = Scaled(problem, CURVES["cubic-spline"]), np.random.default_rng(0)
+    for width in np.geomspace(1e-3, 1.0, 25):
+        durations = scaled.realise(rng.uniform(0.6, 1.6, size=(1, 4)))[0]
+        units = Units.of(problem, float(durations.sum()))
+        low = durations * np.exp(-width * rng.uniform(size=4)) / units.time
+        high = durations * np.exp(width * rng.uniform(size=4)) / units.time
+        value = Relaxation(units, low, high).solve()
+        assert value <= durations.sum() / units.time * (1 + 1e-9)
+        assert value >= low.sum()
+        velocities = CURVES["cubic-spline"].motion(problem.waypoints, durations)
+        at = velocities(velocities.waypoint_times, 1) * units.time / units.length
+        lowest, highest = velocity_ranges(units, 1 / high, 1 / low)
+        assert (lowest - 1e-9 <= at).all()
+        assert (at <= highest + 1e-9).all()
