@@ -160,7 +160,17 @@ def _lineup(texts: Sequence[str] | None) -> tuple[Spec, ...]:
 
 
 @app.command()
-def report(out: Out = DEFAULT_OUT) -> None:
+def report(
+    out: Out = DEFAULT_OUT,
+    interactive: Annotated[
+        bool,
+        typer.Option(
+            "--interactive",
+            help="Also pages with the recordings' own viewer inside, which work without a network: about 20 MB, "
+            "and some more for every case.",
+        ),
+    ] = False,
+) -> None:
     """Write tables, report and recordings of the last run again, from the stored results.
 
     After a run that was killed they show the cells that were finished: each was stored the moment it ended, and
@@ -172,7 +182,7 @@ def report(out: Out = DEFAULT_OUT) -> None:
         results = store.results(cells)
     if not results:
         raise StudyError(f"no stored result in {out / STORE_NAME} belongs to the last run; run `study run` first")
-    show(cases, results, out, make_console())
+    show(cases, results, out, make_console(), interactive=interactive)
 
 
 @app.command()

@@ -142,31 +142,43 @@ def watching(cases: Mapping[str, Case], live: bool, known: Sequence[Result] = ()
 
 
 def show(
-    cases: Mapping[str, Case], results: Sequence[Result], out: Path, console: Console, with_report: bool = True
+    cases: Mapping[str, Case],
+    results: Sequence[Result],
+    out: Path,
+    console: Console,
+    with_report: bool = True,
+    interactive: bool = False,
 ) -> None:
-    """Print the table of every case and, if so wanted, write the report and the recordings."""
+    """Print the table of every case and, if so wanted, write the report and the recordings, `interactive` as pages too."""
     rows = summarise(cases, results)
     for case in cases.values():
         console.print(terminal.rows_table(case, [row for row in rows if row.case == case.name]))
     if with_report:
         with console.status("writing the report and the recordings"):
-            page, recordings = write(cases, results, out)
+            page, recordings = write(cases, results, out, interactive)
         console.print(
             f"report: {page}", f"recordings: {recordings} (open one with `study view CASE`)", sep="\n", soft_wrap=True
         )
     console.print(f"results: {out / STORE_NAME}", soft_wrap=True)
 
 
-def write(cases: Mapping[str, Case], results: Sequence[Result], out: Path) -> tuple[Path, Path]:
+def write(
+    cases: Mapping[str, Case], results: Sequence[Result], out: Path, interactive: bool = False
+) -> tuple[Path, Path]:
     """Write report and recordings; where the report's first page and the recordings are."""
     _keep_to_oneself()
-    from study.report.page import build_report  # here: matplotlib and rerun are slow to import
-    from study.report.recording import record_case
+    from study.report.page import build_report, slugs, write_viewers  # here: matplotlib and rerun are slow to import
+    from study.report.recording import forget_pages, interactive_pages, record_case
 
     for case in cases.values():
         own = [result for result in results if result.cell.case == case.name]
         if own:  # a run that was stopped may not have come to every case
             record_case(case, own, recording_file(out, case.name))
+    forget_pages(out / "report")
+    if interactive:
+        shown = slugs(cases[name] for name in cases if any(result.cell.case == name for result in results))
+        files = {slug: recording_file(out, case.name) for slug, case in shown.items()}
+        write_viewers(interactive_pages(files, out / "report"), shown, out / "report")
     return build_report(cases, results, out / "report", environment()), out / "recordings"
 
 

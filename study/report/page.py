@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
@@ -98,16 +98,30 @@ def build_report(
 
 def _case_reports(cases: Mapping[str, Case], results: Sequence[Result], out: Path) -> list[CaseReport]:
     reports: list[CaseReport] = []
-    for case in cases.values():
+    for slug, case in slugs(cases.values()).items():
         entries = entries_of(case, results)
         best = featured(entries, bool(np.isinf(case.problem.limits.acceleration).any()))
-        slug = file_name(case.name, {report.slug for report in reports})
         recording = out.parent / "recordings" / f"{file_stem(case.name)}.rrd"
         link = f"../recordings/{quote(recording.name)}" if recording.is_file() else None
         page = f"{slug}-viewer.html" if (out / f"{slug}-viewer.html").is_file() else None
         rungs = ladder_of(case, entries, best)
         reports.append(CaseReport(case, slug, entries, best, rungs, motion_files(entries), link, page))
     return reports
+
+
+def write_viewers(scripts: Mapping[str, Sequence[str]], cases: Mapping[str, Case], out: Path) -> None:
+    """Write a page with the viewer inside for every case of `cases`, which like `scripts` is by the page's stem."""
+    for slug, needed in scripts.items():
+        text = _render("viewer.html.j2", {"slug": slug, "case": cases[slug], "scripts": needed})
+        (out / f"{slug}-viewer.html").write_text(text, encoding="utf-8", newline="\n")
+
+
+def slugs(cases: Iterable[Case]) -> dict[str, Case]:
+    """Cases by the stem of their pages."""
+    found: dict[str, Case] = {}
+    for case in cases:
+        found[file_name(case.name, found)] = case
+    return found
 
 
 def _render(template: str, context: Mapping[str, object]) -> str:

@@ -3,6 +3,17 @@
 from study.report.recording.case_recording import APPLICATION, record_case
 from study.report.recording.live import LiveRecording, live_recording
 from study.report.recording.merging import merge
+from study.report.recording.offline import forget_pages, interactive_pages
 from study.report.recording.viewer import screenshot, view
 
-__all__ = ["APPLICATION", "LiveRecording", "live_recording", "merge", "record_case", "screenshot", "view"]
+__all__ = [
+    "APPLICATION",
+    "LiveRecording",
+    "forget_pages",
+    "interactive_pages",
+    "live_recording",
+    "merge",
+    "record_case",
+    "screenshot",
+    "view",
+]

@@ -20,8 +20,8 @@ Bounds = tuple[tuple[float, float], tuple[float, float]]
 WHITE: Color = (255, 255, 255)
 GREY: Color = (150, 150, 150)
 FAINT: Color = (48, 48, 48)
-BAR_WIDTH, BAR_PITCH = 700.0, 36.0
-ROOM = 340.0
+BAR_WIDTH, BAR_PITCH = 640.0, 36.0
+ROOM = 310.0
 """Height that the first look has for the ladder; more bars come closer together, so that a unit stays a pixel."""
 PLOT = (1300.0, 640.0)
 KEY_PITCH, KEY_COLUMNS = 250.0, 7
@@ -58,7 +58,7 @@ def ladder_pitch(count: int) -> float:
 
 def bars_bounds(count: int, pitch: float = BAR_PITCH) -> Bounds:
     """Ranges of x and y that a drawing of so many bars fills."""
-    return (-10.0, BAR_WIDTH + 10.0), (-pitch, pitch * count)
+    return (-20.0, BAR_WIDTH + 10.0), (-pitch, pitch * count)
 
 
 @dataclass(frozen=True, eq=False)

@@ -58,7 +58,7 @@ def running_viewer(hidden: tuple[int, int] | None) -> Iterator[tuple[subprocess.
     """
     options = ["--headless", "--window-size", f"{hidden[0]}x{hidden[1]}"] if hidden else []
     with private_environment() as (program, environment), tempfile.TemporaryFile("w+") as log:
-        port = _free_port()
+        port = free_port()
         command = [program, *options, "--hide-welcome-screen", "--bind", LOOPBACK, "--port", str(port)]
         process = subprocess.Popen(  # noqa: S603
             command, env=environment, stdout=log, stderr=log, text=True, start_new_session=True
@@ -113,7 +113,8 @@ def _listening(process: subprocess.Popen[str], port: int) -> bool:
     return False
 
 
-def _free_port() -> int:
+def free_port() -> int:
+    """A port of this machine on which nothing listens."""
     with socket.socket() as probe:
         probe.bind((LOOPBACK, 0))
         return int(probe.getsockname()[1])
