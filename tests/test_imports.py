@@ -10,10 +10,14 @@ ROOT = Path(__file__).parents[1]
 SOURCES = sorted(path for package in ("study", "baselines") for path in (ROOT / package).rglob("*.py"))
 OWNERS = {
     "casadi": ("baselines/",),
-    "toppra": ("baselines/toppra_retiming.py",),
+    "toppra": (
+        "baselines/toppra_retiming.py",
+        "study/bench/references.py",
+    ),  # the latter as a peer, by its own defaults
     "ruckig": ("baselines/ruckig_moves.py",),
     "rerun": ("study/report/recording/",),
-    "matplotlib": ("study/report/figures.py", "study/reproduction/figures.py", "study/comparison/figures.py"),
+    "matplotlib": tuple(f"study/{part}/figures.py" for part in ("report", "reproduction", "comparison", "bench")),
+    "numba": ("study/curves/kernels.py",),
     "pickle": ("study/experiment/pool.py",),  # between the run's own processes only
 }
 
@@ -26,7 +30,7 @@ def loaded_after(statement: str) -> set[str]:
 
 
 def test_the_question_and_the_command_load_no_solver_viewer_or_plotter():
-    heavy = {"casadi", "toppra", "ruckig", "rerun", "matplotlib", "baselines", "mealpy", "pymoo", "cmaes"}
+    heavy = {"casadi", "toppra", "ruckig", "rerun", "matplotlib", "baselines", "mealpy", "pymoo", "cmaes", "numba"}
     assert not loaded_after("import study, study.cli") & heavy
 
 

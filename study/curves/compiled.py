@@ -19,7 +19,10 @@ Orders = tuple[int, ...]
 
 def _in_order(result: Floats, orders: Orders) -> Floats:
     """View rows by order as the NumPy path lays them out, shape (n_candidates, len(orders), n_joints)."""
-    if len(orders) != len(result) or orders[0] != 1 or orders[1] != 2:
+    first, last = orders[0], orders[-1]
+    if last - first + 1 == len(orders):  # neighbours need no copy
+        result = result[first - 1 : last]
+    else:
         result = result[[order - 1 for order in orders]]
     return result.transpose(2, 0, 1)
 

@@ -1,0 +1,1 @@
+"""How fast the study's parts are, as ratios to peers measured in the same run; one file for each topic."""

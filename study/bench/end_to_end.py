@@ -1,0 +1,82 @@
+"""A whole search of the woodworking case, as a user meets it: search and evaluation together, next to whole peers.
+
+Four joints together, population 50, 300 generations. Peers that take long are given fewer generations; the numbers are
+for one evaluation. The peers' evaluations are the papers' own for mealpy, and our compiled kernel for pymoo and pyswarms.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from study.bench import papers_way, peers
+from study.bench.measuring import Call, Ratio, interleaved, missing
+from study.curves import curve_named
+from study.curves.engine import with_engine
+from study.experiment.cases import load_case
+from study.formulation import Penalty
+from study.planners.plain import PSO_STANDARD
+from study.planning import Meter
+from study.problem import Problem
+from study.search.batch import minimise_many
+from study.search.loop import Box, minimise
+
+TOPIC = "End to end"
+CASE = "woodworking"
+POPULATION, GENERATIONS = 50, 300
+FEW = {"mealpy": 3, "pymoo": 20}
+TARGETS = {"mealpy": 1000.0, "pymoo": 100.0, "pyswarms": 5.0}
+NAMES = {
+    "mealpy": "mealpy with the papers' evaluation",
+    "pymoo": "pymoo with our compiled kernel",
+    "pyswarms": "pyswarms with our compiled kernel",
+}
+TOGETHER = 30
+
+
+def end_to_end_rows(repetitions: int) -> list[Ratio]:
+    """Measure one run, and thirty runs in lock step, next to each peer."""
+    problem = load_case(CASE).problem
+    objective = Penalty(problem, with_engine(curve_named("poly353")))
+    box = Box(*(np.full(problem.n_segments, bound) for bound in problem.duration_bounds))
+    calls: dict[str, Call] = {"one run": partial(_alone, objective, box), "30 runs": partial(_together, objective, box)}
+    counts = {"one run": POPULATION * GENERATIONS, "30 runs": POPULATION * GENERATIONS * TOGETHER}
+    there = [peer for peer in TARGETS if peers.installed(peer)]
+    for peer in there:
+        calls[peer] = _peer(peer, problem, objective, box)
+        counts[peer] = POPULATION * FEW.get(peer, GENERATIONS)
+    with peers.quiet():
+        taken = interleaved(calls, repetitions, counts)
+    rows = [
+        Ratio(TOPIC, _name(ours), NAMES[peer], "evaluation", taken[ours], taken[peer], TARGETS[peer])
+        for ours in ("one run", "30 runs")
+        for peer in there
+    ]
+    absent = [peer for peer in TARGETS if peer not in there]
+    return rows + [missing(TOPIC, _name("one run"), NAMES[peer], TARGETS[peer]) for peer in absent]
+
+
+def _name(ours: str) -> str:
+    batched = f", {TOGETHER} runs in lock step" if ours != "one run" else ""
+    return f"PSO on {CASE}, {POPULATION} x {GENERATIONS} evaluations{batched}"
+
+
+def _alone(objective: Penalty, box: Box) -> None:
+    meter = Meter(objective, POPULATION * GENERATIONS)
+    minimise(PSO_STANDARD.search, meter, box, POPULATION, np.random.default_rng(1))
+
+
+def _together(objective: Penalty, box: Box) -> None:
+    rngs = [np.random.default_rng(seed) for seed in range(TOGETHER)]
+    minimise_many(PSO_STANDARD.search, objective, POPULATION * GENERATIONS, box, POPULATION, rngs)
+
+
+def _peer(name: str, problem: Problem, objective: Penalty, box: Box) -> Call:
+    generations = FEW.get(name, GENERATIONS)
+    if name == "mealpy":
+        one = partial(papers_way.value_353, problem)
+        return partial(peers.with_mealpy, "pso", one, box, POPULATION, generations)
+    if name == "pymoo":
+        return partial(peers.with_pymoo, "pso", objective, box, POPULATION, generations)
+    return partial(peers.with_pyswarms, objective, box, POPULATION, generations)

@@ -1,0 +1,56 @@
+"""The figure of growth as inline SVG; lines differ by dash and marker, so that they read in black and white."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from statistics import median
+
+import matplotlib as mpl
+from markupsafe import Markup
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from study.bench.growth import LABELS, Point
+from study.report.drawn import DASHES, GRID, MARKERS, RC, SERIES
+from study.report.svg import themed
+
+AXES = {"waypoints": "waypoints", "joints": "joints", "population": "candidates in one call"}
+
+
+def styles(points: Sequence[Point]) -> dict[str, int]:
+    """Number of the line style of every curve and engine."""
+    return {name: i for i, name in enumerate(dict.fromkeys(label(point) for point in points))}
+
+
+def label(point: Point) -> str:
+    """Curve and engine."""
+    return f"{LABELS[point.curve]}, {point.engine}"
+
+
+def growth(points: Sequence[Point]) -> Markup:
+    """Plot time per candidate against waypoints, joints and population."""
+    with mpl.rc_context(RC):
+        figure = Figure(figsize=(1040 / 72, 340 / 72))
+        panels = figure.subplots(1, len(AXES))
+        for axes, (axis, name) in zip(panels, AXES.items(), strict=True):
+            _panel(axes, [point for point in points if point.axis == axis], styles(points))
+            axes.set_xlabel(name)
+        panels[0].set_ylabel("microseconds per candidate")
+        figure.subplots_adjust(0.06, 0.15, 0.99, 0.97, wspace=0.16)
+        buffer = io.StringIO()
+        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    description = "Time per candidate against the number of waypoints, joints and candidates, by curve and engine."
+    return themed(buffer.getvalue(), "growth", "Growth of the kernels' time", description)
+
+
+def _panel(axes: Axes, points: Sequence[Point], numbers: dict[str, int]) -> None:
+    for name, i in numbers.items():
+        own = [point for point in points if label(point) == name]
+        if own:
+            x, y = [point.size for point in own], [median(point.seconds) * 1e6 for point in own]
+            axes.loglog(x, y, color=SERIES[i], linestyle=DASHES[i], marker=MARKERS[i])
+    axes.grid(True, color=GRID, linewidth=0.8)
+    axes.minorticks_off()
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")

@@ -1,0 +1,37 @@
+"""What the report and a recording of one case cost."""
+
+from __future__ import annotations
+
+import tempfile
+from functools import partial
+from pathlib import Path
+
+from study.bench.measuring import Ratio, interleaved
+from study.experiment.cases import load_case
+from study.experiment.environment import environment
+from study.experiment.execution import Task, execute
+from study.experiment.lineup import Budget, Spec, make_cells
+
+TOPIC = "Report and recording"
+CASE = "woodworking"
+PLANNERS = ("pso", "golds-pso", "casadi-nlp", "ruckig-stops")
+
+
+def output_rows(repetitions: int) -> list[Ratio]:
+    """Write the report and the recording of a small run, again and again, into a folder that is then removed."""
+    from study.report.page import build_report  # here: plotting and recording are slow to import
+    from study.report.recording import record_case
+
+    case = load_case(CASE)
+    cells = make_cells([case], [Spec(name) for name in PLANNERS], Budget(seeds=2, evaluations=500))
+    results = [execute(Task(cell, case.problem)) for cell in cells]
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder)
+        calls = {
+            "report": partial(build_report, {case.name: case}, results, out / "report", environment()),
+            "recording": partial(record_case, case, results, out / "case.rrd"),
+        }
+        taken = interleaved(calls, repetitions, dict.fromkeys(calls, 1))
+    return [
+        Ratio(TOPIC, f"{name} of {CASE}, {len(results)} runs", "", name, seconds) for name, seconds in taken.items()
+    ]

@@ -1,0 +1,67 @@
+"""The performance page of the report, made from the JSON of a bench and nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from study.bench import figures, wording
+from study.bench.run import Bench, read
+from study.errors import StudyError
+
+
+def write_page(record: Path, out: Path) -> Path:
+    """Write `performance.html`.
+
+    Parameters
+    ----------
+    record : Path
+        What `study bench --out` wrote.
+    out : Path
+        Folder of the report, made if need be.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    StudyError
+        If the record cannot be read or the page cannot be written.
+    """
+    bench = read(record)
+    page = out / "performance.html"
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        page.write_text(_render(bench, (out / "index.html").is_file()), encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise StudyError(f"the performance page cannot be written to {str(out)!r}: {error.strerror}") from None
+    return page
+
+
+def _render(bench: Bench, linked: bool) -> str:
+    report = PackageLoader("study.report", "templates")
+    environment = Environment(
+        loader=ChoiceLoader([PackageLoader("study.bench", "templates"), report]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    source = {name: Markup(report.get_source(environment, f"report.{name}")[0]) for name in ("css", "js")}  # noqa: S704
+    return environment.get_template("performance.html.j2").render(
+        **source,
+        linked=linked,
+        answer=wording.summary(bench),
+        reading=wording.READING,
+        head=wording.HEAD,
+        topics=[(topic, [wording.cells(row) for row in rows]) for topic, rows in wording.topics(bench.rows)],
+        growth=figures.growth(bench.growth),
+        styles=figures.styles(bench.growth),
+        points=bench.growth,
+        label=figures.label,
+        environment=bench.environment,
+    )

@@ -1,0 +1,140 @@
+"""All measurements of one bench, as one record that reads from and writes to JSON."""
+
+from __future__ import annotations
+
+import json
+import platform
+import resource
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from study.bench.end_to_end import end_to_end_rows
+from study.bench.growth import Point, growth_points
+from study.bench.kernels import kernel_rows
+from study.bench.measuring import Limit, Ratio
+from study.bench.output import output_rows
+from study.bench.references import reference_rows
+from study.bench.searches import search_rows
+from study.curves import engine
+from study.errors import StudyError
+from study.experiment.environment import environment
+
+VERSION = 1
+QUICK_REPETITIONS, REPETITIONS = 5, 15
+Told = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What was measured, where and how.
+
+    Attributes
+    ----------
+    environment : mapping of str to str
+    quick : bool
+    compile_seconds : mapping of str to float
+        Time to make each kernel ready: compiled anew, or read from numba's cache where an earlier run left it.
+    rows : tuple of Ratio and Limit
+    growth : tuple of Point
+    peak_bytes : int
+        Largest memory of the whole process so far.
+    """
+
+    environment: Mapping[str, str]
+    quick: bool
+    compile_seconds: Mapping[str, float]
+    rows: tuple[Ratio | Limit, ...]
+    growth: tuple[Point, ...]
+    peak_bytes: int
+
+
+def measure(quick: bool, told: Told) -> Bench:
+    """Measure everything, one part after the other.
+
+    Parameters
+    ----------
+    quick : bool
+        Fewer repetitions, and two cases for the deterministic planners.
+    told : callable (part)
+        Hears what is about to be measured.
+    """
+    n = QUICK_REPETITIONS if quick else REPETITIONS
+    told("kernels")
+    seconds = _compile_seconds()
+    rows: list[Ratio | Limit] = [*kernel_rows(n)]
+    told("searches")
+    rows += search_rows(n)
+    told("end to end")
+    rows += end_to_end_rows(n)
+    told("deterministic planners")
+    rows += reference_rows(min(n, 3), quick)
+    told("report and recording")
+    rows += output_rows(min(n, 3))
+    told("growth")
+    growth = growth_points(3 if quick else n)
+    return Bench(environment(), quick, seconds, tuple(rows), tuple(growth), _peak_bytes())
+
+
+def _compile_seconds() -> dict[str, float]:
+    if not engine.installed():
+        return {}
+    from study.curves.compiled import warm_up  # here: it imports numba
+
+    return warm_up()
+
+
+def _peak_bytes() -> int:
+    """Largest resident memory of this process so far; the system counts it in bytes on macOS and in KiB elsewhere."""
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return most if platform.system() == "Darwin" else most * 1024
+
+
+def write(bench: Bench, path: Path) -> None:
+    """Write a bench as JSON.
+
+    Raises
+    ------
+    StudyError
+        If the file cannot be written.
+    """
+    record = asdict(bench) | {
+        "version": VERSION,
+        "python": sys.version,
+        "rows": [asdict(row) | {"kind": type(row).__name__, "met": row.met} for row in bench.rows],
+    }
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(record, indent=1), encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise StudyError(f"the measurements cannot be written to {str(path)!r}: {error.strerror}") from None
+
+
+def read(path: Path) -> Bench:
+    """Read a bench that `write` wrote.
+
+    Raises
+    ------
+    StudyError
+        If the file is missing or is no bench of this version.
+    """
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        if record["version"] != VERSION:
+            raise StudyError(f"{path}: expected measurements of version {VERSION}, got version {record['version']}")
+        rows = tuple(_row(row) for row in record["rows"])
+        growth = tuple(Point(**point | {"seconds": tuple(point["seconds"])}) for point in record["growth"])
+    except OSError as error:
+        raise StudyError(f"the measurements {str(path)!r} cannot be read: {error.strerror}") from None
+    except (ValueError, KeyError, TypeError) as error:
+        raise StudyError(f"{path}: not the measurements of a bench ({error}); write them with `study bench`") from None
+    return Bench(record["environment"], record["quick"], record["compile_seconds"], rows, growth, record["peak_bytes"])
+
+
+def _row(record: dict[str, Any]) -> Ratio | Limit:
+    fields: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in record.items()}
+    kind = fields.pop("kind")
+    del fields["met"]
+    return Limit(**fields) if kind == "Limit" else Ratio(**fields)

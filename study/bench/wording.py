@@ -1,0 +1,78 @@
+"""Numbers and sentences of a bench, shared by the terminal and the page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from statistics import median
+
+from study.bench.measuring import Limit, Ratio, unmet
+from study.bench.run import Bench
+
+HEAD = ("measured", "against", "ours", "times as fast", "least - most", "target", "")
+UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
+
+
+def seconds(value: float) -> str:
+    """Write a time with three digits and the unit that fits."""
+    size, unit = next((one for one in UNITS if value >= one[0]), UNITS[-1])
+    return f"{value / size:.3g} {unit}"
+
+
+def plain(value: float) -> str:
+    """Write a ratio with three digits, thousands apart."""
+    return f"{value:,.0f}" if value >= 99.5 else f"{value:.3g}"
+
+
+def cells(row: Ratio | Limit) -> tuple[str, ...]:
+    """Texts of one row of the table, in the order of its head."""
+    if isinstance(row, Limit):
+        spread = f"{seconds(min(row.seconds))} - {seconds(max(row.seconds))}"
+        cost = f"{seconds(row.middle)} per {row.unit}"
+        return row.name, "", cost, "", spread, f"at most {seconds(row.most)}", verdict(row.met)
+    target = "" if row.target is None else f"at least {plain(row.target)}"
+    if row.missing:
+        return row.name, row.peer, row.missing, "", "", target, "not measured"
+    cost = f"{seconds(median(row.seconds))} per {row.unit}"
+    if not row.peer_seconds:
+        return row.name, row.peer, cost, "", f"{seconds(min(row.seconds))} - {seconds(max(row.seconds))}", "", ""
+    spread = f"{plain(min(row.ratios))} - {plain(max(row.ratios))}"
+    return row.name, row.peer, cost, plain(row.middle), spread, target, verdict(row.met)
+
+
+def verdict(met: bool | None) -> str:
+    """Say whether a target is met."""
+    return {None: "", True: "met", False: "not met"}[met]
+
+
+def topics(rows: Sequence[Ratio | Limit]) -> Iterator[tuple[str, list[Ratio | Limit]]]:
+    """Rows by topic, in their order."""
+    for topic in dict.fromkeys(row.topic for row in rows):
+        yield topic, [row for row in rows if row.topic == topic]
+
+
+def summary(bench: Bench) -> list[str]:
+    """Sentences that say what was met and what was not."""
+    judged = [row for row in bench.rows if row.met is not None]
+    failed = unmet(bench.rows)
+    absent = [row for row in bench.rows if isinstance(row, Ratio) and row.missing]
+    texts = [f"{len(judged) - len(failed)} of {len(judged)} targets are met."]
+    for row in failed:
+        name, peer, cost, ratio, _, target, _ = cells(row)
+        against = f" against {peer}" if peer else ""
+        texts.append(f"Not met: {row.topic.lower()}, {name}{against}: {ratio or cost}, target {target}.")
+    if absent:
+        texts.append(f"Not measured: {'; '.join(dict.fromkeys(f'{row.name}: {row.missing}' for row in absent))}.")
+    if bench.compile_seconds:
+        ready = ", ".join(f"{name} {seconds(value)}" for name, value in bench.compile_seconds.items())
+        texts.append(f"Kernels were ready after (compiled, or read from numba's cache): {ready}.")
+    texts.append(f"The process held at most {bench.peak_bytes / 2**20:,.0f} MiB.")
+    return texts
+
+
+READING = (
+    "Times are processor seconds of one thread; what is compared takes turns within each repetition. The middle column "
+    "is the median of the ratios, then their least and most.",
+    "The papers' way values one candidate and one joint at a time: a 14 x 14 system for 3-5-3, a library's interpolation "
+    "for the spline, rates at 100 times per segment. Ours are exact extrema.",
+    "Search overhead is the time per evaluation with an objective that costs next to nothing.",
+)
