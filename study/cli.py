@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from study import terminal
-from study.commands import checking, own, storing, torture
+from study.commands import bench, checking, own, pictures, storing, torture
 from study.commands.runs import (
     DEFAULT_OUT,
     STORE_NAME,
@@ -55,7 +55,9 @@ app.add_typer(cases_app, name="cases")
 
 CaseList = Annotated[
     list[str] | None,
-    typer.Option("--cases", help="Names or YAML files, separated by commas, or `all`; the papers' five cases by default."),
+    typer.Option(
+        "--cases", help="Names or YAML files, separated by commas, or `all`; the papers' five cases by default."
+    ),
 ]
 
 
@@ -246,8 +248,10 @@ def show_case(name: Annotated[str, typer.Argument(metavar="NAME", help="Name or 
         make_console().print(table)
 
 
+bench.register(app)
 checking.register(app)
 own.register(app)
+pictures.register(app)
 storing.register(app)
 torture.register(app)
 
