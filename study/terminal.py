@@ -35,8 +35,8 @@ def progress(console: Console) -> Progress:
 
 
 NOTE = (
-    "gap: above the shortest feasible duration known, on whatever path; times on different paths answer different "
-    "questions. above bound: above what no motion through the waypoints can undercut."
+    "path: what a method may change; times on different paths answer different questions. gap: above the shortest "
+    "feasible duration known, on whatever path; to bound: above what no motion through the waypoints can undercut."
 )
 
 
@@ -46,7 +46,7 @@ def rows_table(case: Case, rows: Sequence[Row]) -> Table:
     table = Table(title=title, title_justify="left", header_style="bold", caption=NOTE, caption_justify="left")
     table.add_column("method", no_wrap=True)
     table.add_column("path", no_wrap=True)
-    for name in ("duration (s)", "gap", "above bound", "feasible", "worst ratio", "evaluations", "wall (s)"):
+    for name in ("duration (s)", "gap", "to bound", "feasible", "limit use", "evals", "wall (s)"):
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("reason", overflow="fold", style="dim")
     bound = max((known for row in rows if (known := any_motion_bound(row)) is not None), default=None)
@@ -69,7 +69,7 @@ def _cells(row: Row, bound: float | None) -> tuple[str | Text, ...]:
     above = None if row.gap is None or row.median is None or bound is None else row.median / bound - 1.0
     return (
         Text(row.label),
-        row.path if proved is None else "any",
+        row.path.removesuffix(" path") if proved is None else "any",
         f"≥ {proved:.5f}"
         if proved
         else DASH

@@ -69,7 +69,7 @@ def make_console() -> Console:
     Names of joints and cases are people's own, so square brackets and colons in them mean nothing special.
     """
     console = Console(markup=False, emoji=False)
-    return console if console.is_terminal else Console(width=160, markup=False, emoji=False)
+    return console if console.is_terminal else Console(width=180, markup=False, emoji=False)
 
 
 def run_missing(
