@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from study.curves import Curve
 from study.errors import unknown
-from study.problem import Floats, Problem
+from study.problem import Floats, JointLimits, Problem
 
 
 def stretch(problem: Problem, curve: Curve, durations: Floats) -> Floats:
@@ -29,13 +30,18 @@ def stretch(problem: Problem, curve: Curve, durations: Floats) -> Floats:
     array of shape (n_candidates,)
         At most 1 for a candidate that is feasible as it stands.
     """
-    limits = problem.limits.rates
-    orders = tuple(order for order in (1, 2, 3) if np.isfinite(limits[order - 1]).any())
+    orders, limits = _limited(problem.limits)
     if not orders:
         return np.zeros(len(durations))
-    peaks = curve.peaks(problem.waypoints, durations, orders)
-    ratios = (peaks / limits[[order - 1 for order in orders]]).max(axis=2)
-    return (ratios ** (1.0 / np.array(orders))).max(axis=1)
+    return curve.demand(curve.peaks(problem.waypoints, durations, orders), limits, orders)
+
+
+@lru_cache(maxsize=64)
+def _limited(limits: JointLimits) -> tuple[tuple[int, ...], Floats]:
+    """Orders with a limit, and those limits, shape (n_orders, n_joints); asked in every generation of a search."""
+    rates = limits.rates
+    orders = tuple(order for order in (1, 2, 3) if np.isfinite(rates[order - 1]).any())
+    return orders, rates[[order - 1 for order in orders]]
 
 
 @dataclass(frozen=True)
@@ -51,9 +57,10 @@ class Penalty:
 
     def __call__(self, durations: Floats) -> Floats:
         """Objective of every candidate, shape (n_candidates,), s."""
-        excess = np.maximum(stretch(self.problem, self.curve, durations) - 1.0, 0.0)
+        factor = stretch(self.problem, self.curve, durations)
         worst = self.problem.n_segments * self.problem.duration_bounds[1]
-        return durations.sum(axis=1) + np.where(excess > 0, worst * (1.0 + excess), 0.0)
+        total = durations.sum(axis=1)
+        return np.where(factor > 1.0, total + worst * (1.0 + (factor - 1.0)), total)
 
     def realise(self, durations: Floats) -> Floats:
         """Durations to drive, shape (n_candidates, n_segments), s: the candidates themselves."""

@@ -150,11 +150,10 @@ class Meter:
 
         Values that are not numbers count as infinite, so they never become the incumbent.
         """
-        values = np.full(len(candidates), np.inf)
         allowed = candidates[: max(self.budget - self.evaluations, 0)]
+        values = np.full(len(candidates), np.inf)
         if len(allowed):
-            raw = self._objective(allowed)
-            values[: len(allowed)] = np.where(np.isnan(raw), np.inf, raw)
+            np.fmin(self._objective(allowed), np.inf, out=values[: len(allowed)])  # of NaN and infinity, infinity
             self.evaluations += len(allowed)
             best = int(values.argmin())
             if values[best] < self.incumbent_value:

@@ -21,6 +21,23 @@ class Peaks(Protocol):
         """Shape (n_candidates, len(orders), n_joints)."""
 
 
+def demanded(peaks: Floats, limits: Floats, orders: tuple[int, ...]) -> Floats:
+    """Factor on all durations that the peak rates demand, k = max(v/V, sqrt(a/A), cbrt(j/J)) over orders and joints.
+
+    Parameters
+    ----------
+    peaks : array of shape (n_candidates, len(orders), n_joints)
+    limits : array of shape (len(orders), n_joints)
+    orders : tuple of int
+
+    Returns
+    -------
+    array of shape (n_candidates,)
+    """
+    ratios = (peaks / limits).max(axis=2)
+    return (ratios ** (1.0 / np.array(orders))).max(axis=1)
+
+
 @dataclass(frozen=True)
 class Curve:
     """One family of curves through waypoints.
@@ -33,12 +50,15 @@ class Curve:
     peaks : callable (waypoints, durations of shape (n_candidates, n_segments), orders) -> array
         Exact peak rates of the asked orders, shape (n_candidates, len(orders), n_joints).
     motion : callable (waypoints, durations of shape (n_segments,)) -> Motion
+    demand : callable (peaks, limits, orders) -> array
+        The factor on all durations that peak rates demand, shape (n_candidates,); see `demanded`.
     """
 
     name: str
     end: EndCondition
     peaks: Peaks
     motion: Callable[[Floats, Floats], Motion]
+    demand: Callable[[Floats, Floats, tuple[int, ...]], Floats] = demanded
 
 
 def _polynomial_motion(unit_coefficients: Callable[[Floats, Floats], Floats]) -> Callable[[Floats, Floats], Motion]:

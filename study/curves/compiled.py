@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from study.curves import bspline, compiled_353, compiled_bspline, compiled_spline, poly353
+from study.curves import bspline, compiled_353, compiled_bspline, compiled_demand, compiled_spline, poly353
 from study.problem import Floats
 
 Orders = tuple[int, ...]
@@ -20,11 +20,9 @@ Orders = tuple[int, ...]
 def _in_order(result: Floats, orders: Orders) -> Floats:
     """View rows by order as the NumPy path lays them out, shape (n_candidates, len(orders), n_joints)."""
     first, last = orders[0], orders[-1]
-    if last - first + 1 == len(orders):  # neighbours need no copy
-        result = result[first - 1 : last]
-    else:
-        result = result[[order - 1 for order in orders]]
-    return result.transpose(2, 0, 1)
+    neighbours = last - first + 1 == len(orders)  # these need no copy
+    rows = slice(first - 1, last) if neighbours else [order - 1 for order in orders]
+    return result[rows].transpose(2, 0, 1)
 
 
 def peaks_353(waypoints: Floats, durations: Floats, orders: Orders = (1, 2, 3)) -> Floats:
@@ -64,6 +62,13 @@ def _unit_rates(n_segments: int) -> Floats:
     """t'(u) of each unit duration, shape (n_segments, 3, n_segments): it depends on nothing but their number."""
     unit = np.moveaxis(bspline.time_coefficients(np.eye(n_segments)), 0, -1)[:, 1:]
     return np.ascontiguousarray(unit * np.array([1.0, 2.0, 3.0])[:, None])
+
+
+def demand(peaks: Floats, limits: Floats, orders: Orders) -> Floats:
+    """Factor on all durations that peak rates demand; see `study.curves.demanded`."""
+    result = np.empty(len(peaks))
+    compiled_demand.fill(peaks, limits, orders, result)
+    return result
 
 
 PEAKS = {"poly353": peaks_353, "cubic-spline": peaks_spline, "bspline": peaks_bspline}

@@ -61,7 +61,9 @@ def with_engine(curve: Curve, evaluations: int | None = None) -> Curve:
     if chosen(evaluations) == NUMPY:
         return curve
     twins = _compiled()
-    return curve if twins is None else replace(curve, peaks=twins.PEAKS.get(curve.name, curve.peaks))
+    if twins is None or curve.name not in twins.PEAKS:
+        return curve
+    return replace(curve, peaks=twins.PEAKS[curve.name], demand=twins.demand)
 
 
 @cache

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
@@ -18,7 +19,7 @@ class Box:
     lower: Floats
     upper: Floats
 
-    @property
+    @cached_property
     def width(self) -> Floats:
         """Side lengths, shape (n_dimensions,)."""
         return self.upper - self.lower

@@ -1,0 +1,34 @@
+"""Compiled twin of `study.curves.demanded`: the factor on all durations that peak rates demand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from study.curves.kernels import kernel
+from study.problem import Floats
+
+
+@kernel
+def fill(peaks: Floats, limits: Floats, orders: tuple[int, ...], result: Floats) -> None:
+    """Write the factors.
+
+    Parameters
+    ----------
+    peaks : array of shape (n_candidates, n_orders, n_joints)
+    limits : array of shape (n_orders, n_joints)
+    orders : tuple of int
+    result : array of shape (n_candidates,)
+    """
+    for i in range(peaks.shape[0]):
+        result[i] = 0.0
+        for k in range(len(orders)):
+            ratio = 0.0
+            for j in range(peaks.shape[2]):
+                ratio = max(ratio, peaks[i, k, j] / limits[k, j])
+            if orders[k] == 2:
+                ratio = math.sqrt(ratio)
+            elif orders[k] == 3:
+                ratio = np.cbrt(ratio)
+            result[i] = max(result[i], ratio)
