@@ -24,6 +24,7 @@ from study.report.papers import paper_of
 from study.report.rows import MEANING, Entry, entries_of, lower_bound
 from study.report.sentences import answer
 from study.report.tables import COLUMNS, Record, raw, result_record, write_tables
+from study.trajectory import Motion
 
 TOO_LONG = 3.0
 """A motion that takes so many times as long as the reference would squeeze the others' profiles; it is left out of them."""
@@ -189,8 +190,7 @@ def _case_page(report: CaseReport, environment: Mapping[str, str]) -> str:
         if entry.motion is not None
     ]
     problem = report.case.problem
-    usual = report.best.reference.duration if report.best.reference else None
-    near = [one for one in series if one.motion.duration <= TOO_LONG * (usual or one.motion.duration)]
+    near = [one for one in series if not too_long(one.motion, report.best)]
     pictures = {
         "profiles": [
             figures.profile(f"profile-{joint}", problem, joint, report.case.units[joint], near)
@@ -198,7 +198,7 @@ def _case_page(report: CaseReport, environment: Mapping[str, str]) -> str:
             if near
         ],
         "segments": figures.segments("segments", series) if series else None,
-        "ladder": _ladder_figure(report.rungs),
+        "ladder": ladder_figure(report.rungs) if report.rungs else None,
     }
     return _render(
         "case.html.j2",
@@ -223,6 +223,12 @@ def _case_page(report: CaseReport, environment: Mapping[str, str]) -> str:
     )
 
 
+def too_long(motion: Motion, best: Featured) -> bool:
+    """Whether a motion would squeeze the others' profiles."""
+    usual = best.reference.duration if best.reference else None
+    return usual is not None and motion.duration > TOO_LONG * usual
+
+
 def _groups(report: CaseReport) -> list[tuple[str, str, list[tuple[Entry, Record]]]]:
     """Rows of the results table in the groups that sorting keeps apart: feasible, infeasible, never judged."""
     whole = [(entry, result_record(report.case, entry)) for entry in report.entries if entry.row.joint is None]
@@ -245,7 +251,8 @@ def _known(report: CaseReport) -> list[tuple[str, float, str]]:
     return facts
 
 
-def _ladder_figure(rungs: Sequence[Rung]) -> Markup | None:
+def ladder_figure(rungs: Sequence[Rung]) -> Markup:
+    """Draw the ladder of lost time; there must be a rung."""
     bars = [
         drawn.Bar(
             f"{rung.name}: {rung.method}",
@@ -258,4 +265,4 @@ def _ladder_figure(rungs: Sequence[Rung]) -> Markup | None:
         )
         for rung in rungs
     ]
-    return figures.ladder("ladder", bars) if bars else None
+    return figures.ladder("ladder", bars)

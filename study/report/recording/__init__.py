@@ -4,7 +4,7 @@ from study.report.recording.case_recording import APPLICATION, record_case
 from study.report.recording.live import LiveRecording, live_recording
 from study.report.recording.merging import merge
 from study.report.recording.offline import forget_pages, interactive_pages
-from study.report.recording.viewer import screenshot, view
+from study.report.recording.viewer import picture, screenshot, view
 
 __all__ = [
     "APPLICATION",
@@ -13,6 +13,7 @@ __all__ = [
     "interactive_pages",
     "live_recording",
     "merge",
+    "picture",
     "record_case",
     "screenshot",
     "view",

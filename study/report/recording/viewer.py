@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+import tempfile
 import time as clock
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -74,6 +75,20 @@ def screenshot(recording: Path, png: Path, time: float = 0.0, tab: str | None = 
         client.set_time(TIMELINE, duration=time, play_state="paused")
         png.write_bytes(settled_picture(client))
         return complaints(client)
+
+
+def picture(recording: Path, time: float = 0.0) -> bytes:
+    """PNG of a recording as the viewer opens it.
+
+    Raises
+    ------
+    StudyError
+        As `screenshot` does.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        png = Path(folder) / "viewer.png"
+        screenshot(recording, png, time)
+        return png.read_bytes()
 
 
 @contextmanager

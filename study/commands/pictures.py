@@ -1,0 +1,41 @@
+"""The command that makes the pictures of the README from real results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from study.commands.runs import DEFAULT_OUT, STORE_NAME, Out, make_console, recording_file
+from study.errors import StudyError
+from study.experiment.cases import load_case
+from study.experiment.store import Store, remembered_lineup
+
+
+def pictures(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Where the pictures go.")],
+    case: Annotated[str, typer.Option(help="Case of the pictures.")] = "woodworking",
+    joint: Annotated[int, typer.Option(help="Joint whose profiles are shown, counted from 1.", min=1)] = 1,
+    out: Out = DEFAULT_OUT,
+) -> None:
+    """Draw pictures of stored results: the ladder, one joint's profiles and the viewer's first look."""
+    cells, sources = remembered_lineup(out / STORE_NAME)
+    if case not in sources:
+        raise StudyError(f"the last run in {out} was not of case {case!r}; it was of {', '.join(sources)}")
+    loaded = load_case(sources[case])
+    if joint > loaded.problem.n_joints:
+        raise StudyError(f"case {case!r} has {loaded.problem.n_joints} joints, got joint {joint}")
+    with Store(out / STORE_NAME, {case: loaded}, write=False) as store:
+        results = store.results([cell for cell in cells if cell.case == case])
+    from study.report.pictures import write_pictures  # here: matplotlib and rerun are slow to import
+    from study.report.recording import record_case
+
+    recording = record_case(loaded, results, recording_file(out, case))
+    for path in write_pictures(loaded, results, joint - 1, recording, folder):
+        make_console().print(str(path), soft_wrap=True)
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(pictures)

@@ -1,0 +1,121 @@
+"""Pictures of real results for a README: the ladder, one joint's profiles and the viewer's first look."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Sequence
+from importlib.resources import files
+from pathlib import Path
+
+from markupsafe import escape
+from PIL import Image
+
+from study.errors import StudyError
+from study.experiment.cases import Case
+from study.experiment.results import Result
+from study.report import drawn, figures
+from study.report.featured import ROLE_NAMES, featured
+from study.report.ladder import ladder_of
+from study.report.page import ladder_figure, too_long
+from study.report.rows import entries_of
+
+COLORS = 256
+"""The viewer's picture is kept small with so many colours."""
+
+WIDTH = 1400
+DASHES = ("", "8 3", "8 3 2 3", "2 2.5", "4 2 1.5 2 1.5 2", "13 4")
+FONT = 'font-family="system-ui, Segoe UI, Roboto, DejaVu Sans, sans-serif"'
+
+
+def write_pictures(case: Case, results: Sequence[Result], joint: int, recording: Path, folder: Path) -> list[Path]:
+    """Write `CASE-ladder.svg`, `CASE-profile.svg` and `CASE-viewer.png`.
+
+    Parameters
+    ----------
+    case : Case
+    results : sequence of Result
+        Of this case.
+    joint : int
+        Whose profiles are shown, counted from 0.
+    recording : Path
+        Of the same results.
+    folder : Path
+
+    Raises
+    ------
+    StudyError
+        If there is too little to show, the folder cannot be written or the viewer cannot draw here.
+    """
+    from study.report.recording import picture  # here: rerun is slow to import
+
+    entries = entries_of(case, results)
+    best = featured(entries)
+    rungs = ladder_of(case, entries, best)
+    series = [drawn.Series(one.label, style, one.motion) for style, _, one in best.present() if one.motion is not None]
+    near = [one for one in series if not too_long(one.motion, best)]
+    if not rungs or not near:
+        raise StudyError(f"case {case.name!r}: too few results for pictures; run `study run --cases {case.name}` first")
+    ladder = ladder_figure(rungs)
+    profile = figures.profile("profile", case.problem, joint, case.units[joint], near)
+    names = {style: ROLE_NAMES[role] for style, role, _ in best.present()}
+    legend = [(one.style, f"{names[one.style]}: {one.label.removeprefix('published: ')}") for one in near]
+    contents = {
+        "ladder.svg": standalone(str(ladder), f"The ladder of lost time, case {case.name}", []).encode(),
+        "profile.svg": standalone(
+            str(profile), f"{case.problem.joint_names[joint]}, case {case.name}", legend
+        ).encode(),
+        "viewer.png": small(picture(recording, min(one.motion.duration for one in near) / 2)),
+    }
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in contents.items():
+            (folder / f"{case.name}-{name}").write_bytes(content)
+    except OSError as error:
+        raise StudyError(f"pictures cannot be written to {str(folder)!r}: {error.strerror}") from None
+    return [folder / f"{case.name}-{name}" for name in contents]
+
+
+def standalone(svg: str, title: str, legend: Sequence[tuple[int, str]]) -> str:
+    """Make a figure of a page a file of its own: light colours, a ground, a title and a legend.
+
+    Parameters
+    ----------
+    svg : str
+        As `study.report.svg.themed` makes it.
+    title : str
+    legend : sequence of (style, name)
+    """
+    colors = _light_colors()
+    width, height = (float(text) for text in re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', svg)[0])
+    top = 34.0 + 18.0 * len(legend)
+    inner = re.sub(
+        r'style="max-width:[^"]*"', f'x="0" y="{top}" width="{width}" height="{height}" {FONT}', svg, count=1
+    )
+    lines = [f'<text x="14" y="22" font-size="14" font-weight="bold" fill="var(--ink)" {FONT}>{escape(title)}</text>']
+    for row, (style, name) in enumerate(legend):
+        y = 44.0 + 18.0 * row
+        stroke = f'stroke="var(--s{style + 1})" stroke-width="2" stroke-dasharray="{DASHES[style]}"'
+        lines.append(f'<path d="M14 {y - 4}h40" fill="none" {stroke}/>')
+        lines.append(f'<text x="62" y="{y}" font-size="12" fill="var(--ink)" {FONT}>{escape(name)}</text>')
+    whole = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+        f'viewBox="0 0 {width} {height + top}" width="{width}" height="{height + top}">'
+        f'<rect width="100%" height="100%" fill="var(--paper)"/>{"".join(lines)}{inner}</svg>\n'
+    )
+    return re.sub(r"var\(--(\w+)\)", lambda found: colors[found[1]], whole)
+
+
+def small(png: bytes) -> bytes:
+    """Shrink a picture of the viewer until it is fit for a repository."""
+    image = Image.open(io.BytesIO(png)).convert("RGB")
+    image = image.resize((WIDTH, round(image.height * WIDTH / image.width)), Image.Resampling.LANCZOS)
+    out = io.BytesIO()
+    image.quantize(COLORS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(out, "PNG", optimize=True)
+    return out.getvalue()
+
+
+def _light_colors() -> dict[str, str]:
+    """Colours of the report's style sheet on light ground, by the names of its custom properties."""
+    sheet = files("study.report").joinpath("templates/report.css").read_text(encoding="utf-8")
+    return dict(re.findall(r"--(\w+): (#\w+)", sheet[: sheet.index("}")]))
