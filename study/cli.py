@@ -252,7 +252,6 @@ bench.register(app)
 checking.register(app)
 own.register(app)
 pictures.register(app)
-pictures.register(app)
 storing.register(app)
 torture.register(app)
 
