@@ -8,6 +8,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from study.bench import figures, wording
+from study.bench.run import read
 from study.experiment.ledger import ledger
 from study.experiment.ownfile import schema
 from study.experiment.registry import planner_named, planner_names
@@ -15,7 +17,7 @@ from study.experiment.registry import planner_named, planner_names
 
 def on_page_markdown(markdown: str, **kwargs: Any) -> str:
     """Replace the marks that stand for generated parts."""
-    for mark, part in {"ledger": _ledger, "planners": _planners, "fields": _fields}.items():
+    for mark, part in {"ledger": _ledger, "planners": _planners, "fields": _fields, "bench": _bench}.items():
         if f"<!-- {mark} -->" in markdown:
             markdown = markdown.replace(f"<!-- {mark} -->", part())
     return markdown
@@ -25,6 +27,24 @@ def on_post_build(config: Any, **kwargs: Any) -> None:
     """Publish the JSON Schema of case files beside the pages."""
     text = json.dumps(schema(), indent=2)
     Path(config["site_dir"], "case.schema.json").write_text(text + "\n", encoding="utf-8")
+
+
+def _bench() -> str:
+    """Tables and the figure of growth, from the measurements that `study bench` wrote."""
+    bench = read(Path(__file__).parent / "bench.json")
+    parts = ["\n".join(f"- {sentence}" for sentence in wording.summary(bench))]
+    for topic, rows in wording.topics(bench.rows):
+        table = [wording.HEAD, tuple("---" for _ in wording.HEAD), *(wording.cells(row) for row in rows)]
+        lines = ["| " + " | ".join(text.replace("|", "\\|") for text in cells) + " |" for cells in table]
+        parts.append(f"## {topic}\n\n" + "\n".join(lines))
+    colours = (
+        "--ink: currentColor; --muted: #808890; --grid: #80889055; --s1: #0067a8; --s2: #c2490a; --s3: #00795a; "
+        "--s4: #9a3f83; --s5: #5f6670; --s6: #7a6400"
+    )
+    picture = figures.growth(bench.growth, legend=True)
+    parts.append(f'## Growth\n\n<div style="{colours}">{picture}</div>')
+    machine = "; ".join(f"{name} {text}" for name, text in bench.environment.items())
+    return "\n\n".join([*parts, f"Measured on: {machine}."])
 
 
 def _ledger() -> str:

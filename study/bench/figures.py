@@ -28,8 +28,8 @@ def label(point: Point) -> str:
     return f"{LABELS[point.curve]}, {point.engine}"
 
 
-def growth(points: Sequence[Point]) -> Markup:
-    """Plot time per candidate against waypoints, joints and population."""
+def growth(points: Sequence[Point], legend: bool = False) -> Markup:
+    """Plot time per candidate against waypoints, joints and population; with a legend where the page has none."""
     with mpl.rc_context(RC):
         figure = Figure(figsize=(1040 / 72, 340 / 72))
         panels = figure.subplots(1, len(AXES))
@@ -37,7 +37,10 @@ def growth(points: Sequence[Point]) -> Markup:
             _panel(axes, [point for point in points if point.axis == axis], styles(points))
             axes.set_xlabel(name)
         panels[0].set_ylabel("microseconds per candidate")
-        figure.subplots_adjust(0.06, 0.15, 0.99, 0.97, wspace=0.16)
+        if legend:
+            lines = {line.get_label(): line for axes in panels for line in axes.get_lines()}
+            figure.legend(lines.values(), lines.keys(), loc="upper center", ncols=len(lines), frameon=False)
+        figure.subplots_adjust(0.06, 0.15, 0.99, 0.9 if legend else 0.97, wspace=0.16)
         buffer = io.StringIO()
         figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     description = "Time per candidate against the number of waypoints, joints and candidates, by curve and engine."
@@ -49,7 +52,7 @@ def _panel(axes: Axes, points: Sequence[Point], numbers: dict[str, int]) -> None
         own = [point for point in points if label(point) == name]
         if own:
             x, y = [point.size for point in own], [median(point.seconds) * 1e6 for point in own]
-            axes.loglog(x, y, color=SERIES[i], linestyle=DASHES[i], marker=MARKERS[i])
+            axes.loglog(x, y, color=SERIES[i], linestyle=DASHES[i], marker=MARKERS[i], label=name)
     axes.grid(True, color=GRID, linewidth=0.8)
     axes.minorticks_off()
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
