@@ -17,7 +17,9 @@ from PIL import Image
 from rerun.experimental import ViewerClient
 
 from study.errors import StudyError
-from study.experiment.cases import load_case
+from study.experiment.cases import case_names, load_case
+from study.experiment.execution import Task, execute
+from study.experiment.lineup import Budget, Spec, make_cells
 from study.report.recording import live_recording, process, record_case, screenshot, view, viewer
 from tests.test_recording import some_results
 
@@ -27,6 +29,7 @@ can_draw = pytest.mark.skipif(
     reason="no Vulkan driver here; Debian and Ubuntu have a software one in the package mesa-vulkan-drivers",
 )
 TABS = ("Overview", "Position", "Velocity", "Acceleration", "Jerk", "Limits in use", "Convergence", "Durations")
+SEARCHED = ("Overview", "Convergence over wall time", "Search population")
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +62,25 @@ def test_every_tab_is_drawn_without_complaint(recording: Path) -> None:
         assert len({zlib.crc32(picture.tobytes()) for picture in pictures.values()}) == len(pictures)
         errors = [entry.message for entry in client.get_logs() if entry.level == "ERROR"]
         assert errors == []
+
+
+@can_draw
+@pytest.mark.timeout(120)
+@pytest.mark.parametrize("name", case_names(default_only=True))
+def test_the_first_look_and_the_searches_of_every_case(name: str, tmp_path: Path) -> None:
+    case = load_case(name)
+    cells = make_cells([case], [Spec(case.planner), Spec("pso", "scaled")], Budget(seeds=1, evaluations=100))
+    results = [execute(Task(cell, case.problem)) for cell in cells]
+    path = record_case(case, [*some_results(case), *results], tmp_path / f"{name}.rrd", samples=60)
+    with viewer.headless(path) as client:
+        for tab in SEARCHED:
+            viewer.show_tab(client, tab)
+            picture = pixels(viewer.settled_picture(client))
+            assert viewer.complaints(client) == [], tab
+            coloured = np.ptp(picture.astype(int), axis=2) > 60
+            assert coloured.mean() > 5e-4, tab
+        said = [entry.message for entry in client.get_logs() if entry.level in ("ERROR", "WARN")]
+        assert [text for text in said if not text.startswith("Software rasterizer")] == []
 
 
 @can_draw
