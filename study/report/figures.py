@@ -12,7 +12,7 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import LogLocator, MaxNLocator
 
 from study.problem import Problem
 from study.report.drawn import (
@@ -156,6 +156,8 @@ def convergence(key: str, curves: Sequence[Convergence], reference: tuple[str, f
         if reference and reference[1] > shortest * (1 + FLOOR):
             axes.axhline(_above(reference[1], shortest), color=INK, linewidth=1.2)
         axes.set(xscale="log", yscale="log", xlabel="curve evaluations", ylabel="time above the shortest known")
+        for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 200 * low else (1.0,)))
         axes.xaxis.set_major_formatter(lambda value, _: count(value))
         axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
         axes.minorticks_off()
