@@ -46,7 +46,7 @@ def rows_table(case: Case, rows: Sequence[Row]) -> Table:
     table = Table(title=title, title_justify="left", header_style="bold", caption=NOTE, caption_justify="left")
     table.add_column("method", no_wrap=True)
     table.add_column("path", no_wrap=True)
-    for name in ("duration (s)", "gap", "to bound", "feasible", "limit use", "evals", "wall (s)"):
+    for name in ("duration (s)", "gap", "to bound", "feasible", "worst ratio", "evaluations", "wall (s)"):
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("reason", overflow="fold", style="dim")
     bound = max((known for row in rows if (known := any_motion_bound(row)) is not None), default=None)

@@ -94,6 +94,17 @@ def test_nothing_feasible_lies_below_a_lower_bound(name: str) -> None:
     assert all(gap is not None and gap >= -1e-6 for gap in gaps)
 
 
+def test_a_weak_bound_on_the_curve_gives_way_to_that_on_any_motion() -> None:
+    """The B-spline's linear programme knows nothing of jerk limits, the bound on any motion does."""
+    case = load_case("ur5-bspline-jerk-matched")
+    names = ("casadi-nlp", "any-motion-bound")
+    entries = entries_of(case, study_of(case.name, references=names))
+    own, anything = (next(one.bound for one in entries if one.label == name) for name in names)
+    assert own is not None
+    assert anything is not None
+    assert own < anything == lower_bound(entries, CURVE) == lower_bound(entries)
+
+
 def test_the_terminal_table_says_path_limits_and_bound(woodworking: list[Result]) -> None:
     case = load_case("woodworking")
     console = Console(width=200, file=io.StringIO())

@@ -129,9 +129,13 @@ def entries_of(case: Case, results: Sequence[Result]) -> tuple[Entry, ...]:
 
 
 def lower_bound(entries: Sequence[Entry], path: str = "") -> float | None:
-    """Highest proved lower bound, s: of any motion through the waypoints, or of motions of one kind of path."""
+    """Highest proved lower bound, s: of any motion through the waypoints, or of motions of one kind of path.
+
+    What holds for any motion holds for one kind too; a kind of which nothing else is proved has no bound of its own.
+    """
     known = [one.bound for one in entries if one.path == path and (path or one.motion is None)]
-    return max((bound for bound in known if bound is not None), default=None)
+    own = max((bound for bound in known if bound is not None), default=None)
+    return own if own is None or not path else max(own, lower_bound(entries) or 0.0)
 
 
 def path_of(case: Case, row: Row) -> str:
