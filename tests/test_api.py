@@ -39,7 +39,7 @@ def test_auto_picks_by_the_limits_that_exist(limits, first, reason):
 def test_auto_goes_on_until_the_judge_passes_a_motion(monkeypatch):
     order = [("toppra", "first"), ("certified", "second"), ("ruckig-stops", "third"), ("casadi-nlp", "never")]
     monkeypatch.setattr("study.api.automatic", lambda problem: iter(order))
-    planned = plan(Problem("mine", FOUR[:3], JointLimits(V, A, J)))
+    planned = plan(Problem("mine", np.vstack([FOUR, FOUR + 0.1]), JointLimits(V, A, J)))
     assert [(name, why) for name, why, _ in planned.tried] == order[:3]
     assert (planned.planner, planned.why, planned.feasible) == ("ruckig-stops", "third", True)
     assert "acceleration of joint 2 jumps" in planned.tried[0][2].verdict.reasons[0]
