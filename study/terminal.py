@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import groupby
 
 import numpy as np
@@ -40,10 +40,19 @@ NOTE = (
 )
 
 
-def rows_table(case: Case, rows: Sequence[Row]) -> Table:
-    """Table of one case: every method, feasible ones first, with the reason where one is infeasible."""
+FLAGGED = " ⚑: its result depends on where in its box the optimum stands (`study compare`)."
+
+
+def rows_table(case: Case, rows: Sequence[Row], flags: Collection[str] = ()) -> Table:
+    """Table of one case: every method, feasible ones first, with the reason where one is infeasible; `flags` get a mark."""
     title = f"{case.name}: {case.title} (limits: {case.limits_label})"
-    table = Table(title=title, title_justify="left", header_style="bold", caption=NOTE, caption_justify="left")
+    table = Table(
+        title=title,
+        title_justify="left",
+        header_style="bold",
+        caption=NOTE + FLAGGED * bool(flags),
+        caption_justify="left",
+    )
     table.add_column("method", no_wrap=True)
     table.add_column("path", no_wrap=True)
     for name in ("duration (s)", "gap", "to bound", "feasible", "worst ratio", "evaluations", "wall (s)"):
@@ -52,7 +61,9 @@ def rows_table(case: Case, rows: Sequence[Row]) -> Table:
     bound = max((known for row in rows if (known := any_motion_bound(row)) is not None), default=None)
     for row in rows:
         proof = any_motion_bound(row) is not None
-        table.add_row(*_cells(row, bound), style="bold" if proof else "" if row.feasible else "red")
+        table.add_row(
+            *_cells(row, bound, _planner(row) in flags), style="bold" if proof else "" if row.feasible else "red"
+        )
     return table
 
 
@@ -62,13 +73,17 @@ def any_motion_bound(row: Row) -> float | None:
     return None if shown is None or shown.motion is not None else shown.details.get("lower_bound")
 
 
-def _cells(row: Row, bound: float | None) -> tuple[str | Text, ...]:
+def _planner(row: Row) -> str | None:
+    return row.representative.cell.planner if row.representative and row.kind == "search" else None
+
+
+def _cells(row: Row, bound: float | None, flagged: bool) -> tuple[str | Text, ...]:
     duration = row.duration if row.duration is not None else row.claimed
     judged = row.representative is not None
     proved = any_motion_bound(row)
     above = None if row.gap is None or row.median is None or bound is None else row.median / bound - 1.0
     return (
-        Text(row.label),
+        Text(row.label + " ⚑" * flagged),
         row.path.removesuffix(" path") if proved is None else "any",
         f"≥ {proved:.5f}"
         if proved

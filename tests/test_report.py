@@ -286,3 +286,19 @@ def test_a_folder_that_cannot_be_written_is_one_sentence(tiny_case: Case, tmp_pa
     (tmp_path / "report").write_text("a file stands here")
     with pytest.raises(StudyError, match=r"the report cannot be written to .*; choose another folder"):
         build_report({tiny_case.name: tiny_case}, [], tmp_path / "report", {})
+
+
+def test_flagged_searches_are_marked_in_every_table(
+    material: tuple[dict[str, Case], list[Result]], tmp_path: Path
+) -> None:
+    cases, results = material
+    name = next(result.cell.planner for result in results if result.motion is not None)
+    reason = "moves with the <optimum>"
+    build_report(cases, results, tmp_path, {}, {name: reason})
+    for case in cases.values():
+        if any(result.cell.planner == name and result.cell.case == case.name for result in results):
+            page = next(
+                p.read_text() for p in tmp_path.glob("*.html") if case.title in p.read_text() and p.stem != "index"
+            )
+            assert 'title="moves with the &lt;optimum&gt;">⚑' in page
+            assert "The audit of <code>study compare</code>" in page

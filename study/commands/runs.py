@@ -150,9 +150,9 @@ def show(
     interactive: bool = False,
 ) -> None:
     """Print the table of every case and, if so wanted, write the report and the recordings, `interactive` as pages too."""
-    rows = summarise(cases, results)
+    rows, flagged = summarise(cases, results), audit_flags(out)
     for case in cases.values():
-        console.print(terminal.rows_table(case, [row for row in rows if row.case == case.name]))
+        console.print(terminal.rows_table(case, [row for row in rows if row.case == case.name], flagged))
     if with_report:
         with console.status("writing the report and the recordings"):
             page, recordings = write(cases, results, out, interactive)
@@ -179,7 +179,15 @@ def write(
         shown = slugs(cases[name] for name in cases if any(result.cell.case == name for result in results))
         files = {slug: recording_file(out, case.name) for slug, case in shown.items()}
         write_viewers(interactive_pages(files, out / "report"), shown, out / "report")
-    return build_report(cases, results, out / "report", environment()), out / "recordings"
+    index = build_report(cases, results, out / "report", environment(), audit_flags(out))
+    return index, out / "recordings"
+
+
+def audit_flags(out: Path) -> dict[str, str]:
+    """Searches that the bias audit of `study compare` flags, with the reason; empty where it has not been made."""
+    from study.comparison.build import flags  # here: the comparison is slow to import
+
+    return flags(out / STORE_NAME)
 
 
 def _keep_to_oneself() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from urllib.parse import quote
 
 import numpy as np
@@ -56,7 +57,11 @@ class CaseReport:
 
 
 def build_report(
-    cases: Mapping[str, Case], results: Sequence[Result], out: Path, environment: Mapping[str, str]
+    cases: Mapping[str, Case],
+    results: Sequence[Result],
+    out: Path,
+    environment: Mapping[str, str],
+    flags: Mapping[str, str] = MappingProxyType({}),
 ) -> Path:
     """Write `index.html`, one page per case and the tables.
 
@@ -68,6 +73,8 @@ def build_report(
         Folder, made if need be. A recording `<case>.rrd` in its sibling folder `recordings` is linked.
     environment : mapping of str to str
         Versions and machine, printed as they are.
+    flags : mapping of str to str, optional
+        Planners that the bias audit flags, with the reason; every table marks them.
 
     Returns
     -------
@@ -80,8 +87,8 @@ def build_report(
         If the folder cannot be written.
     """
     reports = _case_reports(cases, results, out)
-    pages = {report.slug: _case_page(report, environment) for report in reports}
-    pages["index"] = _index_page(reports, environment, out)
+    pages = {report.slug: _case_page(report, environment, flags) for report in reports}
+    pages["index"] = _index_page(reports, environment, out, flags)
     try:
         (out / "tables").mkdir(parents=True, exist_ok=True)
         for report in reports:
@@ -139,7 +146,9 @@ def _render(template: str, context: Mapping[str, object]) -> str:
     return environment.get_template(template).render(**shared, **source, **context)
 
 
-def _index_page(reports: Sequence[CaseReport], environment: Mapping[str, str], out: Path) -> str:
+def _index_page(
+    reports: Sequence[CaseReport], environment: Mapping[str, str], out: Path, flags: Mapping[str, str]
+) -> str:
     rows = [headline_row(report) for report in reports]
     known = [row for row in rows if row is not None]
     reference = "the deterministic optimum on the same curve"
@@ -157,6 +166,7 @@ def _index_page(reports: Sequence[CaseReport], environment: Mapping[str, str], o
             "published": _published_count(reports),
             "compared": (out / "comparison" / "index.html").is_file(),
             "reproduced": (out / "reproduction" / "index.html").is_file(),
+            "flags": flags,
             "environment": environment,
         },
     )
@@ -183,7 +193,7 @@ def headline_row(report: CaseReport) -> drawn.HeadlineRow | None:
     return drawn.HeadlineRow(report.case.name + " †" * report.best.velocity_only, tuple(marks))
 
 
-def _case_page(report: CaseReport, environment: Mapping[str, str]) -> str:
+def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mapping[str, str]) -> str:
     series = [
         drawn.Series(entry.label, style, entry.motion)
         for style, _, entry in report.best.present()
@@ -217,6 +227,7 @@ def _case_page(report: CaseReport, environment: Mapping[str, str]) -> str:
             "figures": pictures,
             "convergence": convergence_of(report.case, report.entries, report.best),
             "tolerance": TOLERANCE,
+            "flags": flags,
             "infinity": float("inf"),
             "environment": environment,
         },
