@@ -1,4 +1,4 @@
-"""COPP: third-order path parameterization on TOPP-RA's path, by sequential cone programs; an optional extra.
+"""COPP: third-order path parameterization on TOPP-RA's path, by sequential cone programs; the extra `copp`.
 
 COPP's open core returns path speed and acceleration at stations. Between stations the motion here follows the quintic in
 time that meets both states; what this interpolation lets above a limit is removed by stretching by the exact factor.
@@ -10,15 +10,14 @@ Package copp-py (open core), solvers topp2_ra and topp3_socp.
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
+import copp_py as copp
 import numpy as np
 
 from baselines.toppra_retiming import Path, chord_path, grid
 from study import polynomial
-from study.errors import StudyError
 from study.judge import judge
 from study.planning import Plan, RunSettings, Status
 from study.problem import Floats, Problem
@@ -26,22 +25,6 @@ from study.trajectory import Trajectory
 
 ROUNDS = 6
 """Linearizations of the jerk limit: the first about TOPP-RA's profile, each next about the one before."""
-
-
-def copp_module() -> Any:
-    """Import COPP, or say how to get it.
-
-    Raises
-    ------
-    StudyError
-        If the package is not installed.
-    """
-    try:
-        return importlib.import_module("copp_py")
-    except ImportError:
-        raise StudyError(
-            "planner 'copp' needs the package 'copp-py', which is not installed; install it with: pip install copp-py"
-        ) from None
 
 
 def stations_states(problem: Problem, path: Path, points: Floats) -> tuple[Floats, Floats]:
@@ -59,13 +42,7 @@ def stations_states(problem: Problem, path: Path, points: Floats) -> tuple[Float
     times : array of shape (n_stations,), s
     states : array of shape (n_stations, 3)
         Path parameter, speed and acceleration.
-
-    Raises
-    ------
-    StudyError
-        If the package is missing.
     """
-    copp = copp_module()
     count = len(points)
     robot = copp.Robot(problem.n_joints, capacity=count)
     robot.append_s(points)
@@ -138,14 +115,7 @@ class Copp:
     segment_times: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Parameterize the path; the settings do not matter.
-
-        Raises
-        ------
-        StudyError
-            If the package is missing.
-        """
-        copp = copp_module()
+        """Parameterize the path; the settings do not matter."""
         if not np.isfinite(problem.limits.rates).all():
             return Plan(
                 Status.NOT_APPLICABLE, message="COPP's third order needs velocity, acceleration and jerk limits"

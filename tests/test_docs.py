@@ -64,8 +64,8 @@ def play(page, shell):
             shell([sys.executable, "-W", "ignore", "-c", text], status)
 
 
-LONG = {"index.md", "own-robot.md"}
-"""Pages with a whole comparison, report and recording: run with the slow tests."""
+LONG = {"index.md", "own-robot.md", "performance.md"}
+"""Pages with a whole comparison or bench: run with the slow tests."""
 
 
 @pytest.mark.parametrize(

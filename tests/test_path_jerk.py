@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from baselines.copp_retiming import Copp, driven
 from baselines.topp3_nlp import Topp3NLP
 from baselines.toppra_retiming import Toppra, chord_path, grid
 from study import EndCondition, JointLimits, Problem, judge
@@ -56,26 +55,36 @@ def test_scaled_limits_scale_the_duration():
 
 def test_not_applicable_without_a_jerk_limit():
     free = Problem("p", POINTS, JointLimits([1.0, 1.0], [2.0, 2.0]))
-    for planner in (Topp3NLP(), Copp()):
-        pytest.importorskip("copp_py") if isinstance(planner, Copp) else None
-        assert planner.plan(free, SETTINGS).status is Status.NOT_APPLICABLE
+    assert Topp3NLP().plan(free, SETTINGS).status is Status.NOT_APPLICABLE
 
 
-def test_driving_a_path_at_constant_speed_is_the_path():
+@pytest.fixture
+def copp():
+    pytest.importorskip("copp_py", reason="the extra `copp` is not installed")
+    from baselines import copp_retiming
+
+    return copp_retiming
+
+
+def test_copp_is_not_applicable_without_a_jerk_limit(copp):
+    free = Problem("p", POINTS, JointLimits([1.0, 1.0], [2.0, 2.0]))
+    assert copp.Copp().plan(free, SETTINGS).status is Status.NOT_APPLICABLE
+
+
+def test_driving_a_path_at_constant_speed_is_the_path(copp):
     case = problem()
     path = chord_path(case.waypoints, case.limits)
     points = grid(path, 4)
     states = np.stack([points, np.full_like(points, 0.5), np.zeros_like(points)], axis=1)
-    motion = driven(path, points / 0.5, states, np.full(3, 4))
+    motion = copp.driven(path, points / 0.5, states, np.full(3, 4))
     t = np.linspace(0, motion.duration, 50)
     assert motion(t) == pytest.approx(path.at(0.5 * t)[:, 0], abs=1e-12)
     assert motion(motion.waypoint_times) == pytest.approx(case.waypoints, abs=1e-12)
 
 
-def test_copp_is_feasible_on_the_same_path_and_not_faster():
-    pytest.importorskip("copp_py", reason="the extra `copp` is not installed")
+def test_copp_is_feasible_on_the_same_path_and_not_faster(copp):
     case = problem()
-    plan = Copp().plan(case, SETTINGS)
+    plan = copp.Copp().plan(case, SETTINGS)
     assert judge(case, plan.motion).feasible
     assert curvature_free_path(plan.motion, case) < 1e-3
     assert plan.motion.duration > Topp3NLP(halvings=2).plan(case, SETTINGS).motion.duration
