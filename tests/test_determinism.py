@@ -34,7 +34,7 @@ def test_a_study_has_the_same_results_with_one_worker_and_with_three(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "planner", ["certified", "casadi-nlp", "ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp"]
+    "planner", ["certified", "casadi-nlp", "ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp", "bspline-nlp"]
 )
 def test_what_a_clock_decided_says_so(planner):
     """With next to no time every planner that looks at the clock must say that it did."""

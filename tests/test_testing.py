@@ -15,7 +15,7 @@ from study.problem import Problem
 from study.search.random_search import RandomSearch
 from study.testing import NonconformingError, check_planner, check_search, example_problems, random_problem
 
-LEFT_OUT = {"ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp"}
+LEFT_OUT = {"bspline-nlp", "ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp"}
 """Planners too slow for the fast tests; they have tests of this kind in their own files."""
 BOUNDS = {"any-motion-bound", "lower-bounds"}
 """What proves a bound and gives no motion is no planner that could solve anything."""

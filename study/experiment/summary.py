@@ -20,7 +20,7 @@ from study.planning import Plan, Status
 CURVE, FIXED_PATH, FREE_PATH = "paper's curve", "fixed path", "free path"
 _PATHS = {
     **dict.fromkeys(("toppra", "topp3-nlp", "copp"), FIXED_PATH),
-    **dict.fromkeys(("ruckig-stops", "ruckig-via", "free-path-nlp", "quintic-nlp"), FREE_PATH),
+    **dict.fromkeys(("ruckig-stops", "ruckig-via", "free-path-nlp", "quintic-nlp", "bspline-nlp"), FREE_PATH),
 }
 
 
