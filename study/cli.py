@@ -127,6 +127,8 @@ def run(
     console = make_console()
     with Store(out / STORE_NAME, chosen) as store:
         store.remember_lineup(cells, {name: source for name, (_, source) in loaded.items()})
+        for reason in () if planners and planners != ["all"] else unavailable_planners().values():
+            print(f"study: left out: {reason}", file=sys.stderr)
         with watching(chosen, live, store.results(cells) if live else ()) as watch:
             run_missing(cells, chosen, store, jobs, console, watch, engine)
         results = store.results(cells)
@@ -156,8 +158,6 @@ def _budget(seeds: int | None, evaluations: int | None, full: bool, time_limit: 
 def _lineup(texts: Sequence[str] | None) -> tuple[Spec, ...]:
     if texts and texts != ["all"]:
         return parse_specs(",".join(texts))
-    for reason in unavailable_planners().values():
-        print(f"study: left out: {reason}", file=sys.stderr)
     return full_lineup() if texts else default_lineup()
 
 
