@@ -31,13 +31,31 @@ def accelerations(waypoints: Floats, durations: Floats) -> Floats:
     right = 6 * np.diff(np.concatenate([zero, slopes, zero], axis=1), axis=1)
     none = np.zeros((n_candidates, 1, 1))
     diagonal = 2 * (np.concatenate([none, h], axis=1) + np.concatenate([h, none], axis=1))
-    for i in range(1, n_segments + 1):
-        factor = h[:, i - 1] / diagonal[:, i - 1]
-        diagonal[:, i] -= factor * h[:, i - 1]
-        right[:, i] -= factor * right[:, i - 1]
+    return swept(h, diagonal, right)
+
+
+def swept(off: Floats, diagonal: Floats, right: Floats) -> Floats:
+    """Solve symmetric tridiagonal systems of all candidates by elimination; `diagonal` and `right` are used up.
+
+    Parameters
+    ----------
+    off : array of shape (n_candidates, n - 1, 1)
+        Entries beside the diagonal.
+    diagonal : array of shape (n_candidates, n, 1)
+    right : array of shape (n_candidates, n, n_joints)
+
+    Returns
+    -------
+    array of shape (n_candidates, n, n_joints)
+    """
+    last = diagonal.shape[1] - 1
+    for i in range(last):
+        factor = off[:, i] / diagonal[:, i]
+        diagonal[:, i + 1] -= factor * off[:, i]
+        right[:, i + 1] -= factor * right[:, i]
     result = right / diagonal
-    for i in reversed(range(n_segments)):
-        result[:, i] -= h[:, i] / diagonal[:, i] * result[:, i + 1]
+    for i in reversed(range(last)):
+        result[:, i] -= off[:, i] / diagonal[:, i] * result[:, i + 1]
     return result
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from study.curves.cubic_spline import swept
 from study.errors import StudyError
 from study.problem import Floats
 
@@ -43,15 +44,8 @@ def accelerations(waypoints: Floats, durations: Floats) -> Floats:
     slopes = steps / h[:, 1:-1]
     right = 6 * np.diff(slopes, axis=1)
     diagonal = 2 * (h[:, 1:-2] + h[:, 2:-1])
-    inner = right.shape[1]
-    for i in range(1, inner):
-        factor = h[:, i + 1] / diagonal[:, i - 1]
-        diagonal[:, i] -= factor * h[:, i + 1]
-        right[:, i] -= factor * right[:, i - 1]
-    m = np.zeros((len(durations), inner + 4, waypoints.shape[1]))
-    m[:, 2:-2] = right / diagonal
-    for i in reversed(range(inner - 1)):
-        m[:, i + 2] -= h[:, i + 2] / diagonal[:, i] * m[:, i + 3]
+    m = np.zeros((len(durations), right.shape[1] + 4, waypoints.shape[1]))
+    m[:, 2:-2] = swept(h[:, 2:-2], diagonal, right)
     m[:, 1] = steps[0] / h[:, 0] ** 2 - m[:, 2] / 6
     m[:, -2] = -steps[-1] / h[:, -1] ** 2 - m[:, -3] / 6
     return m
