@@ -24,7 +24,7 @@ def accelerations(waypoints: Floats, durations: Floats) -> Floats:
     -------
     array of shape (n_candidates, n_waypoints, n_joints), rad/s^2 or m/s^2
     """
-    n_candidates, n_segments = durations.shape
+    n_candidates = len(durations)
     h = durations[:, :, None]
     slopes = np.diff(waypoints, axis=0) / h
     zero = np.zeros((n_candidates, 1, waypoints.shape[1]))
