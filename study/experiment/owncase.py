@@ -90,14 +90,13 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
     robot = _robot(file.robot, path, problem)
     if file.obstacles and robot is None:
         raise StudyError(f"{where}: obstacles need a robot to know where the arm is; name one under 'robot'")
-    boxes = [[box.lower, box.upper] for box in file.obstacles]
     return OwnParts(
         problem=problem,
         units=tuple(SI[unit][0] for unit in units),
         curve=file.curve or usual_curve(problem),
         title=file.title or f"{problem.n_joints} joints through {problem.n_waypoints} waypoints",
         robot=robot,
-        obstacles=np.array(boxes, dtype=float).reshape(-1, 2, 3),
+        obstacles=np.array([[box.lower, box.upper] for box in file.obstacles], dtype=float).reshape(-1, 2, 3),
         arm_radius=file.arm_radius,
         notes=tuple(file.notes),
         sources={
