@@ -12,10 +12,14 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from study.errors import StudyError
 from study.experiment.cases import load_case
 from study.experiment.ledger import data_folder
+from study.experiment.lineup import Budget, make_cells, parse_specs
+from study.experiment.runner import Task, execute
 from study.report import recording
 from study.report.pictures import standalone, write_pictures
+from study.report.readme import answer_in_markdown, put_answer
 from tests.test_recording import some_results
 from tests.test_viewer import can_draw
 
@@ -89,3 +93,29 @@ def test_where_nothing_can_be_drawn_nothing_is_written(tmp_path: Path, monkeypat
     with pytest.raises(OSError, match="no"):
         write_pictures(case, some_results(case), 0, tmp_path / "a.rrd", tmp_path / "p")
     assert not (tmp_path / "p").exists()
+
+
+def test_the_answer_goes_between_the_marks_and_says_what_the_judge_says(tmp_path: Path) -> None:
+    case = load_case("woodworking")
+    specs = parse_specs("random-search:scaled,shared,casadi-nlp:scaled,shared,ruckig-stops")
+    results = [execute(Task(cell, case.problem)) for cell in make_cells([case], specs, Budget(1, 100, 20.0))]
+    text = answer_in_markdown({case.name: case}, results)
+    head, ruler, row = text.splitlines()[-3:]
+    assert head.count("|") == ruler.count("|") == row.count("|")
+    assert "| 7.4756 s `casadi-nlp` |" in row  # the shared optimum of the paper's own curve
+    assert "| 4.0756 s `ruckig-stops` (−45.5 %) |" in row
+    assert "random-search" not in row  # no metaheuristic
+    readme = tmp_path / "README.md"
+    readme.write_text("before\n<!-- answer -->\nold\n<!-- /answer -->\nafter\n", encoding="utf-8")
+    for _ in range(2):  # the second time changes nothing
+        put_answer(readme, text)
+        assert readme.read_text(encoding="utf-8") == f"before\n<!-- answer -->\n{text}\n<!-- /answer -->\nafter\n"
+
+
+@pytest.mark.parametrize("text", ["no marks", "<!-- /answer --><!-- answer -->", "<!-- answer -->"])
+def test_a_file_without_the_marks_is_left_alone(text: str, tmp_path: Path) -> None:
+    readme = tmp_path / "README.md"
+    readme.write_text(text, encoding="utf-8")
+    with pytest.raises(StudyError, match="needs the marks"):
+        put_answer(readme, "new")
+    assert readme.read_text(encoding="utf-8") == text

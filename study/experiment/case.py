@@ -100,6 +100,11 @@ class Case:
     limits_label: str = "given"
     variant_of: str = ""
 
+    @property
+    def velocity_only(self) -> bool:
+        """Whether a joint has no acceleration limit, so that a motion off the curve may change its speed in an instant."""
+        return bool(np.isinf(self.problem.limits.acceleration).any())
+
     def robot_configuration(self, q: ArrayLike) -> Floats:
         """Put the joints that the problem leaves out back in their places.
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from types import MappingProxyType
 from urllib.parse import quote
 
-import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
@@ -108,7 +107,7 @@ def _case_reports(cases: Mapping[str, Case], results: Sequence[Result], out: Pat
     reports: list[CaseReport] = []
     for slug, case in slugs(cases.values()).items():
         entries = entries_of(case, results)
-        best = featured(entries, bool(np.isinf(case.problem.limits.acceleration).any()))
+        best = featured(entries, case.velocity_only)
         recording = out.parent / "recordings" / f"{file_stem(case.name)}.rrd"
         link = f"../recordings/{quote(recording.name)}" if recording.is_file() else None
         page = f"{slug}-viewer.html" if (out / f"{slug}-viewer.html").is_file() else None
