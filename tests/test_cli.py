@@ -109,7 +109,7 @@ def test_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(stubs, case_file, t
     assert process.returncode == 130
     kept = stored(path)
     assert errors.strip() == (
-        f"study: interrupted: {kept} of 200 cells are stored in {path}; run the same command again to go on"
+        f"study: interrupted: {kept} of 200 cells are stored in {path}; run the same command again to go on, or `study report` to see them"
     )
     assert 2 <= kept < 200
 

@@ -21,7 +21,7 @@ from study.formulation import stretch
 from study.judge import judge
 from study.planning import RunSettings, Status
 from study.problem import Floats, JointLimits, Problem
-from study.report.recording import APPLICATION, case_recording, merge, record_case
+from study.report.recording import APPLICATION, case_recording, record_case
 from study.report.recording.contents import NANOSECOND, gather, method_colors, sample_times
 from study.report.recording.process import private_environment
 from study.report.recording.stream import entity, method
@@ -332,31 +332,6 @@ def test_errors_are_sentences(woodworking: Case, tmp_path: Path, monkeypatch: py
     monkeypatch.setenv("RERUN", "off")
     with pytest.raises(StudyError, match=r"unset the environment variable RERUN"):
         record_case(woodworking, some_results(woodworking), tmp_path / "a.rrd")
-
-
-def test_merging_keeps_every_value(woodworking: Case, tmp_path: Path) -> None:
-    results = [r for r in some_results(woodworking) if r.motion is not None]
-    case = replace(woodworking, published=())
-    parts = [record_case(case, [r], tmp_path / f"{k}.rrd", samples=9) for k, r in enumerate(results[1:])]
-    whole = merge(parts, tmp_path / "whole.rrd")
-    assert RrdReader(str(whole)).recordings()[0].recording_id == case.name
-    for one, part in zip(results[1:], parts, strict=True):
-        where = entity("a", "joint 2", one.cell.label)
-        for mine, theirs in zip(series(whole, where), series(part, where), strict=True):
-            np.testing.assert_array_equal(mine, theirs)
-
-
-def test_merging_refuses_what_does_not_belong_together(woodworking: Case, recorded: Path, tmp_path: Path) -> None:
-    other = load_case("puma560")
-    stranger = record_case(other, [result(other, "x", on_curve(other, np.ones(3)))], tmp_path / "b.rrd", samples=5)
-    with pytest.raises(StudyError, match=r"different cases: puma560, woodworking"):
-        merge([recorded, stranger], tmp_path / "c.rrd")
-    with pytest.raises(StudyError, match=r"no recordings given"):
-        merge([], tmp_path / "c.rrd")
-    (tmp_path / "broken.rrd").write_bytes(b"RRF2 not really")
-    with pytest.raises(StudyError, match=r"broken\.rrd: cannot be read"):
-        merge([recorded, tmp_path / "broken.rrd"], tmp_path / "c.rrd")
-    assert not (tmp_path / "c.rrd").exists()
 
 
 def test_colours_are_distinct_and_do_not_depend_on_the_company() -> None:

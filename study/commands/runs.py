@@ -21,7 +21,7 @@ from study.experiment.results import Cell, Result
 from study.experiment.runner import RunOptions, default_jobs, run_cells
 from study.experiment.store import Store
 from study.experiment.summary import summarise
-from study.report.motions import file_stem as file_stem
+from study.io.filenames import file_stem
 
 DEFAULT_OUT = Path("study-output")
 STORE_NAME = "results.sqlite"
@@ -108,7 +108,7 @@ def run_missing(
         except KeyboardInterrupt:
             raise Interrupted(
                 f"interrupted: {len(cells) - len(missing) + done} of {len(cells)} cells are stored in {store.path}; "
-                "run the same command again to go on"
+                "run the same command again to go on, or `study report` to see them"
             ) from None
         progress.update(task, description="finished")
 

@@ -2,7 +2,6 @@
 
 from study.report.recording.case_recording import APPLICATION, record_case
 from study.report.recording.live import LiveRecording, live_recording
-from study.report.recording.merging import merge
 from study.report.recording.offline import forget_pages, interactive_pages
 from study.report.recording.viewer import picture, screenshot, view
 
@@ -12,7 +11,6 @@ __all__ = [
     "forget_pages",
     "interactive_pages",
     "live_recording",
-    "merge",
     "picture",
     "record_case",
     "screenshot",

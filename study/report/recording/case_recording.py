@@ -25,6 +25,9 @@ def record_case(case: Case, results: Sequence[Result], path: Path, samples: int 
     the paper prints. The paper's own planner and the best metaheuristic are run again from their seeds to show their
     populations, which takes as long as they took. The same results give the same column values; row identities differ from file to file.
 
+    It is made from stored results, not joined from a part per cell: the store keeps every finished cell through a kill, and
+    who is shown, in which colour and at which rank, is known only from all of them.
+
     Parameters
     ----------
     case : Case
