@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -45,10 +46,10 @@ class AnyMotionBound:
         """
         if not np.ptp(problem.waypoints, axis=0).any():
             return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
-        motions = (
-            ruckig_via(problem, time_limit=settings.time_limit)[0],
-            free_path(problem, time_limit=settings.time_limit).motion,
-        )
+        deadline = time.monotonic() + settings.time_limit
+        via = ruckig_via(problem, time_limit=settings.time_limit)[0]
+        left = max(deadline - time.monotonic(), 0.1 * settings.time_limit)
+        motions = (via, free_path(problem, time_limit=left).motion)
         known = min((motion.duration for motion in motions if judge(problem, motion).feasible), default=np.inf)
         found = bound(problem, known, self.n_cells, self.refinements)
         return Plan(

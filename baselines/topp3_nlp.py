@@ -11,6 +11,7 @@ The path is TOPP-RA's own (`baselines.toppra_retiming.chord_path`), so the two d
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -29,6 +30,8 @@ OPTIONS = {"print_level": 0, "sb": "yes", "max_iter": 500, "tol": 1e-8}
 POINTS = np.linspace(0.0, 1.0, 5)
 SHORTEST = 1e-4
 """Shortest duration of a piece, in the solver's unit of time."""
+SOLVE_AT_LEAST = 0.1
+"""Wall time of a solve that begins when the deadline is already past, s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,19 +64,17 @@ class Transcription:
     path : Path
     pieces : int
         Pieces per segment, K.
-    time_limit : float, s
+    deadline : float, s
+        Of `time.monotonic`; IPOPT stops when it is reached.
     """
 
-    def __init__(self, problem: Problem, path: Path, pieces: int, time_limit: float) -> None:
+    def __init__(self, problem: Problem, path: Path, pieces: int, deadline: float) -> None:
         require_casadi()
         self.problem, self.path, self.pieces = problem, path, pieces
         self.segments = np.repeat(np.arange(len(path.cubics)), pieces)
         rest = np.diff(path.knots)
         self.unit = float(self._start_scale() * rest.sum() / len(self.segments))
-        self.solver_options = {
-            "ipopt": {**OPTIONS, "max_wall_time": time_limit},
-            "print_time": False,
-        }
+        self.deadline = deadline
 
     def _start_scale(self) -> float:
         """Seconds per unit of path at the constant path speed that no limit forbids."""
@@ -104,7 +105,9 @@ class Transcription:
         limited = ca.vertcat(*(self._rates(i, points[i], (h[i], s[i], w[i], a[i], r[i])) for i in range(n)))
         x = ca.vertcat(h, s, w, a, r)
         g = ca.vertcat(equal, limited)
-        solver = ca.nlpsol("topp3", "ipopt", {"x": x, "f": ca.sum1(h), "g": g}, self.solver_options)
+        seconds = max(self.deadline - time.monotonic(), SOLVE_AT_LEAST)
+        options = {"ipopt": {**OPTIONS, "max_wall_time": seconds}, "print_time": False}
+        solver = ca.nlpsol("topp3", "ipopt", {"x": x, "f": ca.sum1(h), "g": g}, options)
         bound = np.concatenate([np.zeros(equal.shape[0]), np.ones(limited.shape[0])])
         low = np.concatenate([np.full(n, SHORTEST), np.full(n, -np.inf), np.zeros(n), np.full(2 * n, -np.inf)])
         found = solver(x0=self._cruise() if guess is None else guess, lbx=low, lbg=-bound, ubg=bound)
@@ -216,13 +219,23 @@ class Topp3NLP:
         """
         if not np.isfinite(problem.limits.jerk).all():
             return Plan(Status.NOT_APPLICABLE, message="some joint has no jerk limit, so TOPP-RA already answers")
+        found, iterations = self._answers(problem, time.monotonic() + settings.time_limit)
+        best = min(found, key=lambda answer: (not answer.feasible, answer.motion.duration))
+        status = Status.FINISHED if best.success else Status.NOT_CONVERGED
+        message = "" if best.feasible else "IPOPT did not come to a motion that keeps the limits"
+        return Plan(status, best.motion, iterations=iterations, message=message, details={"stretch": best.stretch})
+
+    def _answers(self, problem: Problem, deadline: float) -> tuple[list[_Answer], int]:
+        """Solve with more and more pieces and points until the deadline; answers, at least one, and iterations."""
         path = _normalised(chord_path(problem.waypoints, problem.limits))
         found: list[_Answer] = []
         guess, iterations = None, 0
         for halving in range(self.halvings + 1):
-            model = Transcription(problem, path, 2**halving, settings.time_limit)
+            model = Transcription(problem, path, 2**halving, deadline)
             points = [POINTS] * len(model.segments)
             for _ in range(self.rounds):
+                if found and noted(time.monotonic() > deadline):
+                    return found, iterations
                 guess, success, steps = model.solve(points, guess)
                 iterations += steps
                 found.append(_stretched(problem, model, guess, success))
@@ -230,9 +243,7 @@ class Topp3NLP:
                     break
                 points = model.peaks(model.motion(model.speeds(guess)), points)
             guess = _halved(guess) if guess is not None else None
-        best = min(found, key=lambda answer: answer.motion.duration)
-        status = Status.FINISHED if best.success else Status.NOT_CONVERGED
-        return Plan(status, motion=best.motion, iterations=iterations, details={"stretch": best.stretch})
+        return found, iterations
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,10 +251,12 @@ class _Answer:
     motion: Trajectory
     stretch: float
     success: bool
+    feasible: bool
 
 
 def _stretched(problem: Problem, model: Transcription, x: Floats, success: bool) -> _Answer:
     motion = model.motion(model.speeds(x))
     ratios = judge(problem, motion).ratios.max(axis=1)
     stretch = max(1.0, float((ratios ** (1.0 / np.arange(1, 4))).max()))
-    return _Answer(motion.scaled(stretch), stretch, success)
+    slowed = motion.scaled(stretch)
+    return _Answer(slowed, stretch, success, judge(problem, slowed).feasible)
