@@ -126,6 +126,46 @@ def test_mealpy_takes_it():
     assert one.evaluations >= 80 * 20
 
 
+def test_nevergrad_takes_it():
+    ng = pytest.importorskip("nevergrad")
+    one = objective("woodworking", instance=4)
+    box = ng.p.Array(init=0.5 * (one.lower + one.upper)).set_bounds(one.lower, one.upper)
+    box.random_state.seed(1)
+    found = ng.optimizers.TwoPointsDE(box, budget=1200).minimize(one)
+    assert one.evaluations == 1200
+    assert one(found.value) == pytest.approx(one.best_known, rel=1e-2)
+
+
+def spend(problem, points):
+    """What any algorithm written for IOHexperimenter asks of a problem."""
+    for x in points:
+        problem(x)
+    seen = problem.state.evaluations, problem.state.current_best.y, np.array(problem.state.current_best.x)
+    span = np.array(problem.bounds.lb), np.array(problem.bounds.ub)
+    known = problem.meta_data.n_variables, problem.meta_data.instance, problem.optimum.y, np.array(problem.optimum.x)
+    return *seen, *span, *known
+
+
+def test_it_answers_as_a_problem_of_iohexperimenter_does():
+    ioh = pytest.importorskip("ioh")
+    inner = objective("puma560", "scaled", 0)
+    theirs = ioh.wrap_problem(
+        inner,
+        name="puma560",
+        dimension=3,
+        instance=0,
+        optimization_type=ioh.OptimizationType.MIN,
+        calculate_objective=lambda instance, dimension: ioh.RealSolution(inner.best_point.tolist(), inner.best_known),
+    )
+    theirs.bounds.lb, theirs.bounds.ub = inner.lower, inner.upper
+    ours = ioh_callable(objective("puma560", "scaled", 0))
+    points = np.random.default_rng(2).uniform(inner.lower, inner.upper, (30, 3))
+    for mine, other in zip(spend(ours, points), spend(theirs, points), strict=True):
+        np.testing.assert_array_equal(mine, other)
+    assert inner.evaluations == ours.state.evaluations == 30
+    assert ours(points.tolist()[:2]) == theirs(points.tolist()[:2])
+
+
 def test_it_looks_like_a_problem_of_iohexperimenter():
     problem = ioh_callable(objective("aubo-i5", "scaled", 3))
     x = np.random.default_rng(0).uniform(problem.bounds.lb, problem.bounds.ub)
