@@ -121,8 +121,11 @@ class Meter:
         Evaluations allowed in all.
     """
 
+    watch: ClassVar[Callable[[Meter, Floats], None] | None] = None
+    """Told of every population after it has been counted, where somebody watches this process."""
+
     def __init__(self, objective: Callable[[Floats], Floats], budget: int) -> None:
-        self._objective = objective
+        self.objective = objective
         self.budget = budget
         self.evaluations = 0
         self.incumbent: Floats | None = None
@@ -150,14 +153,24 @@ class Meter:
 
         Values that are not numbers count as infinite, so they never become the incumbent.
         """
-        allowed = candidates[: max(self.budget - self.evaluations, 0)]
-        values = np.full(len(candidates), np.inf)
-        if len(allowed):
-            np.fmin(self._objective(allowed), np.inf, out=values[: len(allowed)])  # of NaN and infinity, infinity
-            self.evaluations += len(allowed)
-            best = int(values.argmin())
-            if values[best] < self.incumbent_value:
-                self.incumbent, self.incumbent_value = candidates[best].copy(), float(values[best])
-            self._history.append((self.evaluations, self.incumbent_value))
-            self._incumbents.append(candidates[0] if self.incumbent is None else self.incumbent)
+        left = max(self.budget - self.evaluations, 0)
+        if len(candidates) <= left:
+            values = np.fmin(self.objective(candidates), np.inf)  # of NaN and infinity, infinity
+        else:
+            values = np.full(len(candidates), np.inf)
+            if not left:
+                return values
+            np.fmin(self.objective(candidates[:left]), np.inf, out=values[:left])
+        best = int(values.argmin())
+        self.note(min(len(candidates), left), candidates, best, float(values[best]))
         return values
+
+    def note(self, evaluations: int, candidates: Floats, best: int, value: float) -> None:
+        """Count the evaluations of a population, and keep its best candidate where it beats the incumbent."""
+        self.evaluations += evaluations
+        if value < self.incumbent_value:
+            self.incumbent, self.incumbent_value = candidates[best].copy(), value
+        self._history.append((self.evaluations, self.incumbent_value))
+        self._incumbents.append(candidates[0] if self.incumbent is None else self.incumbent)
+        if Meter.watch is not None:
+            Meter.watch(self, candidates)

@@ -1,13 +1,14 @@
-"""Several runs of one search in lock step: one objective call for each generation of all of them.
+"""Several runs of one search as one batch: one objective call for each generation of all of them.
 
-Every run keeps its own state and generator, so each goes exactly as it goes alone; what is saved is the cost of a call
-that does not depend on how many candidates it is given.
+Where the search can, the runs share one state of arrays (n_runs, n_candidates, n_dimensions), and a generation costs a
+handful of array operations whatever the number of runs. Otherwise each keeps its own state, and only the objective is
+shared. Either way each run draws from its own generator and goes exactly as it goes alone.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,8 @@ import numpy as np
 from study.errors import StudyError
 from study.planning import Meter
 from study.problem import Floats
-from study.search.loop import Box, Search
+from study.search.draws import Generators
+from study.search.loop import Box, Search, SideBySide, State
 
 
 def minimise_many(
@@ -53,20 +55,51 @@ def minimise_many(
     if not rngs:
         raise StudyError("minimise_many needs at least one random generator, one for each run; got none")
     population = min(population, budget)
-    told: list[Floats] = [np.empty(0)] * len(rngs)
-    meters = [Meter(partial(_first, told, run), budget) for run in range(len(rngs))]
+    meters = [Meter(objective, budget) for _ in rngs]
     states = [search.init(box, population, -(-budget // population), rng) for rng in rngs]
+    every = Generators(tuple(rngs))
+    shared = isinstance(search, SideBySide)
+    moving: Any = search if shared else _Apart(search)
+    state: Any = states[0].side_by_side(states) if shared else _States(tuple(states))
     while True:
-        left = budget - meters[0].evaluations
-        together = np.concatenate([state.candidates[:left] for state in states])
-        told[:] = np.split(objective(together), len(rngs))
-        values = [meter(state.candidates) for meter, state in zip(meters, states, strict=True)]
-        states = [search.tell(*one) for one in zip(states, values, rngs, strict=True)]
+        state = moving.tell(state, _valued(objective, meters, state.candidates), every)
         if meters[0].exhausted:
             return meters
-        states = [search.ask(state, rng) for state, rng in zip(states, rngs, strict=True)]
+        state = moving.ask(state, every)
 
 
-def _first(told: list[Floats], run: int, candidates: Floats) -> Floats:
-    """What the common call said of one run's candidates."""
-    return told[run][: len(candidates)]
+def _valued(objective: Callable[[Floats], Floats], meters: list[Meter], candidates: Floats) -> Floats:
+    """Value the candidates of all runs, shape (n_runs, n_candidates, n_dimensions), in one call, and tell the meters."""
+    runs, n, dimensions = candidates.shape
+    allowed = min(n, meters[0].budget - meters[0].evaluations)
+    told = objective(candidates[:, :allowed].reshape(-1, dimensions)).reshape(runs, allowed)
+    values = np.full((runs, n), np.inf)
+    np.fmin(told, np.inf, out=values[:, :allowed])  # of NaN and infinity, infinity
+    found = zip(meters, candidates, values.argmin(axis=1).tolist(), values.min(axis=1).tolist(), strict=True)
+    for meter, own, best, value in found:
+        meter.note(allowed, own, best, value)
+    return values
+
+
+@dataclass(frozen=True, eq=False)
+class _States:
+    """Runs that keep their own states."""
+
+    each: tuple[State, ...]
+
+    @property
+    def candidates(self) -> Floats:
+        return np.stack([state.candidates for state in self.each])
+
+
+@dataclass(frozen=True)
+class _Apart:
+    """A search that asks and tells run by run."""
+
+    search: Search[Any]
+
+    def ask(self, states: _States, rngs: Generators) -> _States:
+        return _States(tuple(map(self.search.ask, states.each, rngs.each)))
+
+    def tell(self, states: _States, values: Floats, rngs: Generators) -> _States:
+        return _States(tuple(map(self.search.tell, states.each, values, rngs.each)))

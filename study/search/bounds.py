@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
@@ -13,9 +14,19 @@ from study.search.loop import Box
 Moved = tuple[Floats, Floats]
 
 
+@lru_cache(maxsize=64)
+def walls(box: Box, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
+    """Lower and upper bounds repeated for a population of that shape.
+
+    To spread one row over a narrow population takes longer than the arithmetic, and every generation needs it.
+    """
+    return np.broadcast_to(box.lower, shape).copy(), np.broadcast_to(box.upper, shape).copy()
+
+
 def inside(box: Box, positions: Floats) -> Floats:
     """Put what has left the box on its wall; as `numpy.clip`, which takes three times as long for fifty candidates."""
-    return np.minimum(np.maximum(positions, box.lower), box.upper)
+    lower, upper = walls(box, positions.shape)
+    return np.minimum(np.maximum(positions, lower), upper)
 
 
 def clip(box: Box, positions: Floats, velocities: Floats) -> Moved:

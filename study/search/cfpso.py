@@ -13,7 +13,8 @@ import numpy as np
 
 from study.errors import StudyError
 from study.problem import Floats
-from study.search.loop import Box
+from study.search.draws import Rng
+from study.search.loop import Box, SideBySide
 from study.search.pso import Flight, SwarmState, flown, swarm_at_rest, uniform_population
 
 FLIGHT = Flight(clamp=0.5)
@@ -25,7 +26,7 @@ def constriction(phi: float) -> float:
 
 
 @dataclass(frozen=True)
-class CFPSO:
+class CFPSO(SideBySide):
     """Particle swarm whose whole velocity is multiplied by the constriction factor.
 
     Attributes
@@ -61,12 +62,12 @@ class CFPSO:
         """Spread particles uniformly, at rest."""
         return swarm_at_rest(box, uniform_population(box, population, rng), generations)
 
-    def ask(self, state: SwarmState, rng: np.random.Generator) -> SwarmState:
+    def ask(self, state: SwarmState, rng: Rng) -> SwarmState:
         """Move every particle."""
         chi = constriction(self.cognitive + self.social)
         pull = 1.0 if self.inertia_only else chi
         return flown(state, rng, (chi, pull * self.cognitive, pull * self.social), self.flight)
 
-    def tell(self, state: SwarmState, values: Floats, rng: np.random.Generator) -> SwarmState:
+    def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
         """Remember what was better."""
         return state.remembered(values)

@@ -17,15 +17,16 @@ import numpy as np
 
 from study.problem import Floats
 from study.search.chaos import MAPS, chaotic_population
-from study.search.loop import Box
-from study.search.pso import Flight, SwarmState, flown, linear, swarm_at_rest, uniform_population
+from study.search.draws import Rng
+from study.search.loop import Box, SideBySide
+from study.search.pso import Flight, Scalars, SwarmState, flown, linear, swarm_at_rest, uniform_population
 from study.search.reading import is_printed
 
 FLIGHT = Flight()
 
 
 @dataclass(frozen=True)
-class ChaoticSPSO:
+class ChaoticSPSO(SideBySide):
     """Particle swarm with three switchable novelties.
 
     Attributes
@@ -77,15 +78,16 @@ class ChaoticSPSO:
             positions = uniform_population(box, population, rng)
         return swarm_at_rest(box, positions, generations)
 
-    def printed_inertia(self, t: int, total: int, rng: np.random.Generator) -> float:
+    def printed_inertia(self, t: int, total: int, rng: Rng) -> Scalars:
         """Inertia of Section 3.3.2 to the letter; the second branch draws one number per generation."""
         alpha, beta = self.exponents
         if t <= self.stage * total:
             return (alpha * t**alpha + beta * t**beta) / total / ((t + 1.0) ** (alpha + beta)) ** 3
         return self.inertia[0] - self.inertia[1] + 0.1 * rng.random()
 
-    def ask(self, state: SwarmState, rng: np.random.Generator) -> SwarmState:
+    def ask(self, state: SwarmState, rng: Rng) -> SwarmState:
         """Move every particle, Section 3.2."""
+        w: Scalars
         if is_printed(self.reading):
             w = self.printed_inertia(state.generation, state.generations, rng)
         else:
@@ -95,6 +97,6 @@ class ChaoticSPSO:
             c1, c2 = linear(self.cognitive, state.progress), linear(self.social, state.progress)
         return flown(state, rng, (w, c1, c2), self.flight)
 
-    def tell(self, state: SwarmState, values: Floats, rng: np.random.Generator) -> SwarmState:
+    def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
         """Remember what was better."""
         return state.remembered(values)

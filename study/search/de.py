@@ -8,6 +8,7 @@ UR5 paper on SMWOA, Table 3, which names it and gives no setting; Storn and Pric
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -60,10 +61,10 @@ class DE:
         """Build one trial for every member."""
         x = state.members
         n, d = x.shape
-        a, b, c = x[three_others(n, rng).T]
+        a, b, c = x.take(three_others(n, rng), axis=0)
         mutant = a + self.factor * (b - c)
         crossed = rng.random((n, d)) < self.crossover
-        crossed[np.arange(n), rng.integers(d, size=n)] = True
+        crossed[_others(n)[0], rng.integers(d, size=n)] = True
         return evolved(state, candidates=bounded(self.bounds, state.box, np.where(crossed, mutant, x))[0])
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
@@ -72,15 +73,20 @@ class DE:
 
 
 def three_others(n: int, rng: np.random.Generator) -> np.ndarray:
-    """Draw for each of n members three different others, int array of shape (n, 3)."""
-    own = np.arange(n)
-    first = rng.integers(n - 1, size=n)
+    """Draw for each of n members three different others, int array of shape (3, n)."""
+    own, remaining = _others(n)
+    drawn = rng.integers(remaining)
+    first, second, third = drawn
     first += first >= own  # count past those that are taken, from the lowest
     low, high = np.minimum(own, first), np.maximum(own, first)
-    second = rng.integers(n - 2, size=n)
     second += second >= low
     second += second >= high
-    third = rng.integers(n - 3, size=n)
     for lower in (np.minimum(low, second), np.maximum(low, np.minimum(high, second)), np.maximum(high, second)):
         third += third >= lower
-    return np.stack([first, second, third], axis=1)
+    return drawn
+
+
+@lru_cache(maxsize=64)
+def _others(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Every member's number, shape (n,), and how many members each draw has left to choose from, shape (3, n)."""
+    return np.arange(n), np.repeat([[n - 1], [n - 2], [n - 3]], n, axis=1)

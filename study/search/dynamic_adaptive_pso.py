@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats
-from study.search.loop import Box
+from study.search.draws import Rng
+from study.search.loop import Box, SideBySide
 from study.search.pso import Flight, SwarmState, flown, linear, new_swarm
 from study.search.reading import is_printed
 
@@ -23,7 +24,7 @@ FLIGHT = Flight(clamp=4.0, unit="absolute")  # Section 4.3
 
 
 @dataclass(frozen=True)
-class DynamicAdaptivePSO:
+class DynamicAdaptivePSO(SideBySide):
     """Particle swarm with scheduled inertia and learning factors.
 
     Attributes
@@ -75,10 +76,10 @@ class DynamicAdaptivePSO:
         c1 = c_max - (c_max - c_min) * np.sin(np.pi / 2 * n / total) ** 2
         return linear((w_max, w_min), n / total), c1, c2
 
-    def ask(self, state: SwarmState, rng: np.random.Generator) -> SwarmState:
+    def ask(self, state: SwarmState, rng: Rng) -> SwarmState:
         """Move every particle, Eq. (11)."""
         return flown(state, rng, self.weights(state), self.flight)
 
-    def tell(self, state: SwarmState, values: Floats, rng: np.random.Generator) -> SwarmState:
+    def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
         """Remember what was better."""
         return state.remembered(values)

@@ -13,14 +13,17 @@ Woodworking paper, Eqs. (25)-(28), which shows the initial a and b only; Tanyild
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box, State, evolved
-from study.search.pso import uniform_population
+from study.search.draws import Generators, Rng
+from study.search.loop import Box, SideBySide, State, evolved
+from study.search.pso import Scalars, uniform_population
 from study.search.reading import is_printed
 
 TAU = (math.sqrt(5.0) - 1.0) / 2.0  # eq. (28)
@@ -77,19 +80,19 @@ class Sections:
 
 
 def golden_angles(
-    shape: tuple[int, int], per_dimension: bool, linked: bool, rng: np.random.Generator
+    shape: tuple[int, ...], per_dimension: bool, linked: bool, rng: Rng
 ) -> tuple[Floats, Floats]:
     """Draw R1 in (0, 2 pi) and R2 in (0, pi) of Eq. (25), one pair per candidate or per coordinate.
 
     Parameters
     ----------
     shape : tuple of two ints
-        Shape of the population.
+        Shape of one population.
     per_dimension : bool
         One pair for every coordinate instead of every candidate.
     linked : bool
         Take R2 = R1 / 2, as the circulated original does.
-    rng : numpy.random.Generator
+    rng : Rng
     """
     drawn = shape if per_dimension else (shape[0], 1)
     r1 = 2 * np.pi * rng.random(drawn)
@@ -98,13 +101,36 @@ def golden_angles(
 
 @dataclass(frozen=True, eq=False)
 class GoldState(State):
-    """A population and the golden-section coefficients."""
+    """A population and the golden-section coefficients, one set for each run."""
 
-    sections: Sections
+    sections: tuple[Sections, ...]
+
+    @classmethod
+    def side_by_side(cls, states: Sequence[Self]) -> Self:
+        """Make one state of several runs' own."""
+        together = super().side_by_side(states)
+        return evolved(together, sections=tuple(state.sections[0] for state in states))
+
+    @property
+    def coefficients(self) -> tuple[Scalars, Scalars]:
+        """The numbers x1 and x2 of one run, or of each."""
+        if self.candidates.ndim == 2:
+            return self.sections[0].x1, self.sections[0].x2
+        x1, x2 = np.array([(one.x1, one.x2) for one in self.sections]).T[..., None, None]
+        return x1, x2
+
+    def stepped(self, values: Floats, rng: Rng) -> tuple[Sections, ...]:
+        """Step every run's sections through its values, in order; the first population takes no step."""
+        if not self.generation:
+            return self.sections
+        if isinstance(rng, Generators):
+            bests = np.ravel(self.incumbent_value).tolist()
+            return tuple(map(Sections.after, self.sections, values, bests, rng.each))
+        return (self.sections[0].after(values, self.incumbent_value, rng),)
 
 
 @dataclass(frozen=True)
-class GoldSA:
+class GoldSA(SideBySide):
     """Golden sine algorithm.
 
     Attributes
@@ -140,21 +166,19 @@ class GoldSA:
         """Spread candidates uniformly."""
         x = uniform_population(box, population, rng)
         sections = Sections.printed if is_printed(self.reading) else Sections.of
-        return GoldState(box, x, generations, 0, x[0], np.inf, sections(*self.interval))
+        return GoldState(box, x, generations, 0, x[0], np.inf, (sections(*self.interval),))
 
-    def ask(self, state: GoldState, rng: np.random.Generator) -> GoldState:
+    def ask(self, state: GoldState, rng: Rng) -> GoldState:
         """Move every candidate."""
-        x, s = state.candidates, state.sections
-        r1, r2 = golden_angles((len(x), x.shape[1]), self.per_dimension, self.linked, rng)
-        pull = np.abs(s.x1 * state.incumbent - s.x2 * x)
-        x = x * np.abs(np.sin(r1)) - r2 * np.sin(r1) * pull  # eq. (25)
+        x, (x1, x2) = state.candidates, state.coefficients
+        r1, r2 = golden_angles(x.shape[-2:], self.per_dimension, self.linked, rng)
+        sine, pull = np.sin(r1), np.abs(x1 * state.incumbent - x2 * x)
+        x = x * np.abs(sine) - r2 * sine * pull  # eq. (25)
         return evolved(state, candidates=bounded(self.bounds, state.box, x)[0])
 
-    def tell(self, state: GoldState, values: Floats, rng: np.random.Generator) -> GoldState:
+    def tell(self, state: GoldState, values: Floats, rng: Rng) -> GoldState:
         """Remember the best and step the golden sections."""
-        sections = state.sections
-        if state.generation and not is_printed(self.reading):
-            sections = sections.after(values, state.incumbent_value, rng)
+        sections = state.sections if is_printed(self.reading) else state.stepped(values, rng)
         incumbent, value = state.improved(values)
         return evolved(
             state, incumbent=incumbent, incumbent_value=value, generation=state.generation + 1, sections=sections

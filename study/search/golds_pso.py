@@ -9,25 +9,24 @@ Woodworking paper, Section 2.4, Eqs. (22)-(30).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
 from study.search.chaos import MAPS, chaotic_population
-from study.search.gold_sa import Sections, golden_angles
-from study.search.loop import Box, evolved
+from study.search.draws import Rng
+from study.search.gold_sa import GoldState, Sections, golden_angles
+from study.search.loop import Box, SideBySide, evolved
 from study.search.pso import SwarmState, linear, swarm_at_rest, uniform_population
 from study.search.reading import is_printed
 from study.search.simple_pso import contracted
 
 
 @dataclass(frozen=True, eq=False)
-class GoldenSwarmState(SwarmState):
+class GoldenSwarmState(GoldState, SwarmState):
     """A swarm and the golden-section coefficients."""
-
-    sections: Sections
 
 
 def s_curve(ends: tuple[float, float], progress: float) -> float:
@@ -36,7 +35,7 @@ def s_curve(ends: tuple[float, float], progress: float) -> float:
 
 
 @dataclass(frozen=True)
-class GoldSPSO:
+class GoldSPSO(SideBySide):
     """Particle swarm with golden-sine moves.
 
     Attributes
@@ -86,23 +85,24 @@ class GoldSPSO:
             positions = uniform_population(box, population, rng)
         sections = (Sections.printed if is_printed(self.reading) else Sections.of)(-np.pi, np.pi)
         swarm = swarm_at_rest(box, positions, generations)
-        return GoldenSwarmState(**{f.name: getattr(swarm, f.name) for f in fields(swarm)}, sections=sections)
+        return GoldenSwarmState(**vars(swarm), sections=(sections,))
 
-    def ask(self, state: GoldenSwarmState, rng: np.random.Generator) -> GoldenSwarmState:
+    def ask(self, state: GoldenSwarmState, rng: Rng) -> GoldenSwarmState:
         """Move every particle."""
         w = (s_curve if self.s_curve_inertia else linear)(self.inertia, state.progress)
         if not self.golden_sine:
             return contracted(state, rng, (w, self.cognitive, self.social), self.bounds)
-        x, s = state.candidates, state.sections
-        r1, r2 = golden_angles((len(x), x.shape[1]), self.per_dimension, self.linked, rng)
-        own = self.cognitive * np.abs(np.sin(r1)) * (state.own_best - x)
-        pull = self.social * r2 * np.sin(r1) * np.abs(s.x1 * state.incumbent - s.x2 * x)
+        x, (x1, x2) = state.candidates, state.coefficients
+        r1, r2 = golden_angles(x.shape[-2:], self.per_dimension, self.linked, rng)
+        sine = np.sin(r1)
+        own = self.cognitive * np.abs(sine) * (state.own_best - x)
+        pull = self.social * r2 * sine * np.abs(x1 * state.incumbent - x2 * x)
         x = self.acceleration * (w * x + own - pull)  # eq. (30)
         return evolved(state, candidates=bounded(self.bounds, state.box, x)[0])
 
-    def tell(self, state: GoldenSwarmState, values: Floats, rng: np.random.Generator) -> GoldenSwarmState:
+    def tell(self, state: GoldenSwarmState, values: Floats, rng: Rng) -> GoldenSwarmState:
         """Remember what was better and step the golden sections."""
         sections = state.sections
-        if self.golden_sine and state.generation and not is_printed(self.reading):
-            sections = sections.after(values, state.incumbent_value, rng)
+        if self.golden_sine and not is_printed(self.reading):
+            sections = state.stepped(values, rng)
         return evolved(state.remembered(values), sections=sections)

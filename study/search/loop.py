@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 
@@ -33,6 +34,9 @@ class Box:
 class State:
     """What every search remembers.
 
+    Runs side by side share one state: their arrays have a leading axis for the runs, and what each run has one of has
+    length 1 along the axes of candidates and dimensions, so that the same lines move one population or many.
+
     Attributes
     ----------
     box : Box
@@ -60,13 +64,37 @@ class State:
 
     def improved(self, values: Floats) -> tuple[Floats, float]:
         """Incumbent and its value after the candidates have come back with `values`, shape (n_candidates,)."""
+        if values.ndim > 1:
+            return self._improved_each(values)
         best = int(values.argmin())
         if values[best] < self.incumbent_value:
             return self.candidates[best].copy(), float(values[best])
         return self.incumbent, self.incumbent_value
 
+    def _improved_each(self, values: Floats) -> tuple[Floats, Any]:
+        runs, best = np.arange(len(values)), values.argmin(axis=1)
+        least, found = values[runs, best, None], self.candidates[runs, best, None]
+        better = least < self.incumbent_value
+        return np.where(better[..., None], found, self.incumbent), np.where(better, least, self.incumbent_value)
+
+
+    @classmethod
+    def side_by_side(cls, states: Sequence[Self]) -> Self:
+        """Make one state of several runs' own."""
+        together = {name: [getattr(state, name) for state in states] for name in vars(states[0])}
+        shared = {
+            name: np.stack(values) if isinstance(values[0], np.ndarray) else values[0]
+            for name, values in together.items()
+        }
+        values = np.array(together["incumbent_value"])[:, None]
+        return evolved(states[0], **shared | {"incumbent": shared["incumbent"][:, None], "incumbent_value": values})
+
 
 S = TypeVar("S", bound=State)
+
+
+class SideBySide:
+    """Mark of a search whose `ask` and `tell` also take runs side by side, with a generator for each."""
 
 
 def evolved(state: S, **changes: Any) -> S:

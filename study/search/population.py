@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Self
 
@@ -34,7 +35,7 @@ class PopulationState(State):
     def kept_better(self, values: Floats) -> Self:
         """Take each candidate only where it is better than the member it came from."""
         better = values < self.values
-        members = np.where(better[:, None], self.candidates, self.members)
+        members = np.where(better[..., None], self.candidates, self.members)
         return self._told(members, np.where(better, values, self.values), values)
 
     def _told(self, members: Floats, kept: Floats, values: Floats) -> Self:
@@ -80,10 +81,12 @@ def badness(values: Floats) -> Floats:
     array of shape (n_candidates,)
         All 1 if nothing is finite, all 0 if everything is equal.
     """
-    finite = values[np.isfinite(values)]
-    if not finite.size:
-        return np.ones(len(values))
-    best, worst = finite.min(), finite.max()
+    best, worst = values[values.argmin()], values[values.argmax()]
+    if not (math.isfinite(best) and math.isfinite(worst)):
+        finite = values[np.isfinite(values)]
+        if not finite.size:
+            return np.ones(len(values))
+        best, worst = finite.min(), finite.max()
     return np.minimum((values - best) / (worst - best), 1.0) if worst > best else np.where(values > best, 1.0, 0.0)
 
 

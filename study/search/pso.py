@@ -8,6 +8,7 @@ Woodworking paper, Eqs. (19)-(21); AUBO paper, Eq. (11); PUMA560 paper, Section 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Self
 
 import numpy as np
@@ -15,9 +16,12 @@ import numpy as np
 from study.errors import unknown
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box, State, evolved
+from study.search.draws import Rng
+from study.search.loop import Box, SideBySide, State, evolved
 
 CLAMPS = ("absolute", "share")
+Scalars = Floats | float
+"""One number, or one for each of several runs side by side, shape (n_runs, 1, 1)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +46,7 @@ class SwarmState(State):
         incumbent, incumbent_value = self.improved(values)
         return evolved(
             self,
-            own_best=np.where(better[:, None], self.candidates, self.own_best),
+            own_best=np.where(better[..., None], self.candidates, self.own_best),
             own_values=np.where(better, values, self.own_values),
             incumbent=incumbent,
             incumbent_value=incumbent_value,
@@ -109,19 +113,26 @@ class Flight:
 
     def clamped(self, box: Box, velocities: Floats) -> Floats:
         """Cut velocities off at the clamp."""
-        limit = self.clamp * box.width if self.unit == "share" else self.clamp
-        return np.minimum(np.maximum(velocities, -limit), limit)
+        slowest, fastest = _clamps(self, box, velocities.shape)
+        return np.minimum(np.maximum(velocities, slowest), fastest)
+
+
+@lru_cache(maxsize=64)
+def _clamps(flight: Flight, box: Box, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
+    """Least and greatest velocities repeated for a population of that shape, as `study.search.bounds.walls`."""
+    limit = np.broadcast_to(flight.clamp * box.width if flight.unit == "share" else flight.clamp, shape)
+    return -limit, limit.copy()
 
 
 def flown(
-    state: SwarmState, rng: np.random.Generator, weights: tuple[float, float, float], flight: Flight
+    state: SwarmState, rng: Rng, weights: tuple[Scalars, Scalars, Scalars], flight: Flight
 ) -> SwarmState:
     """Velocity and position update shared by all swarms with velocities.
 
     Parameters
     ----------
     state : SwarmState
-    rng : numpy.random.Generator
+    rng : Rng
     weights : inertia w and learning factors c1, c2
     flight : Flight
 
@@ -131,7 +142,7 @@ def flown(
     """
     w, c1, c2 = weights
     x = state.candidates
-    r1, r2 = rng.random((2, *x.shape))
+    r1, r2 = rng.random((2, *x.shape[-2:]))
     v = w * state.velocities + c1 * r1 * (state.own_best - x) + c2 * r2 * (state.incumbent - x)  # eq. (20)
     v = flight.clamped(state.box, v)
     x, v = bounded(flight.bounds, state.box, x + v, v)  # eq. (21)
@@ -139,7 +150,7 @@ def flown(
 
 
 @dataclass(frozen=True)
-class PSO:
+class PSO(SideBySide):
     """Particle swarm with linear inertia and constant learning factors.
 
     The defaults are the textbook's; no paper prints a complete set. The papers' basic PSO keeps the inertia at 1.
@@ -163,11 +174,11 @@ class PSO:
         """Spread particles uniformly, at rest."""
         return swarm_at_rest(box, uniform_population(box, population, rng), generations)
 
-    def ask(self, state: SwarmState, rng: np.random.Generator) -> SwarmState:
+    def ask(self, state: SwarmState, rng: Rng) -> SwarmState:
         """Move every particle."""
         w = linear(self.inertia, state.progress)
         return flown(state, rng, (w, self.cognitive, self.social), self.flight)
 
-    def tell(self, state: SwarmState, values: Floats, rng: np.random.Generator) -> SwarmState:
+    def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
         """Remember what was better."""
         return state.remembered(values)

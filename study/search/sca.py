@@ -14,12 +14,13 @@ import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box, evolved
+from study.search.draws import Rng
+from study.search.loop import Box, SideBySide, evolved
 from study.search.population import PopulationState, spread_population
 
 
 @dataclass(frozen=True)
-class SCA:
+class SCA(SideBySide):
     """Members swing around the incumbent by a sine or a cosine of falling amplitude.
 
     Attributes
@@ -37,15 +38,15 @@ class SCA:
         """Spread members uniformly."""
         return spread_population(box, population, generations, rng)
 
-    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
+    def ask(self, state: PopulationState, rng: Rng) -> PopulationState:
         """Move every member."""
         x = state.members
         r1 = self.amplitude * (1.0 - state.progress)  # eq. (3.4)
-        r2, r3, r4 = rng.random((3, *x.shape))
+        r2, r3, r4 = rng.random((3, *x.shape[-2:]))
         swing = np.where(r4 < 0.5, np.sin(2.0 * np.pi * r2), np.cos(2.0 * np.pi * r2))
         moved = x + r1 * swing * np.abs(2.0 * r3 * state.incumbent - x)  # eq. (3.3)
         return evolved(state, candidates=bounded(self.bounds, state.box, moved)[0])
 
-    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
+    def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
         """Take the new positions, better or not."""
         return state.replaced(values)

@@ -17,23 +17,24 @@ import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box, evolved
+from study.search.draws import Rng
+from study.search.loop import Box, SideBySide, evolved
 from study.search.pso import SwarmState, linear, swarm_at_rest, uniform_population
 
 W = TypeVar("W", bound=SwarmState)
 
 
-def contracted(state: W, rng: np.random.Generator, weights: tuple[float, float, float], bounds: str) -> W:
+def contracted(state: W, rng: Rng, weights: tuple[float, float, float], bounds: str) -> W:
     """Position update without velocity, Eq. (22), with weights w, c1, c2."""
     w, c1, c2 = weights
     x = state.candidates
-    r1, r2 = rng.random((2, *x.shape))
+    r1, r2 = rng.random((2, *x.shape[-2:]))
     x = w * x + c1 * r1 * (state.own_best - x) + c2 * r2 * (state.incumbent - x)  # eq. (22)
     return evolved(state, candidates=bounded(bounds, state.box, x)[0])
 
 
 @dataclass(frozen=True)
-class SimplePSO:
+class SimplePSO(SideBySide):
     """Swarm without velocities.
 
     Attributes
@@ -56,11 +57,11 @@ class SimplePSO:
         """Spread particles uniformly."""
         return swarm_at_rest(box, uniform_population(box, population, rng), generations)
 
-    def ask(self, state: SwarmState, rng: np.random.Generator) -> SwarmState:
+    def ask(self, state: SwarmState, rng: Rng) -> SwarmState:
         """Move every particle."""
         weights = linear(self.inertia, state.progress), self.cognitive, self.social
         return contracted(state, rng, weights, self.bounds)
 
-    def tell(self, state: SwarmState, values: Floats, rng: np.random.Generator) -> SwarmState:
+    def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
         """Remember what was better."""
         return state.remembered(values)

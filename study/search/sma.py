@@ -131,7 +131,7 @@ def fitness_weights(values: Floats, r: Floats, log_base: float) -> Floats:
     -------
     array of shape (n_candidates, n_dimensions)
     """
-    span = np.log1p(badness(values))[:, None] / math.log(log_base)
-    sign = np.full((len(values), 1), -1.0)
-    sign[np.argsort(values, kind="stable")[: (len(values) + 1) // 2]] = 1.0
-    return 1.0 + sign * r * span
+    span = np.log1p(badness(values)) / math.log(log_base)
+    worse = values.argsort(kind="stable")[(len(values) + 1) // 2 :]
+    span[worse] = -span[worse]
+    return 1.0 + r * span[:, None]

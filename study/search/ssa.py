@@ -86,13 +86,14 @@ class SSA:
 
     def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
         """Rank the sparrows and move each by its role."""
-        order = np.argsort(state.values, kind="stable")
-        x, values = state.members[order], state.values[order]
+        order = state.values.argsort(kind="stable")
+        x, values = state.members.take(order, axis=0), state.values.take(order)
         n_producers = min(len(x), max(1, round(self.producers * len(x))))
         produced = self._producers(x[:n_producers], state.generations, rng)
         moved = np.concatenate([produced, self._joiners(x, n_producers, produced[0], rng)])
         scouts = rng.permutation(len(x))[: round(self.scouts * len(x))]
-        moved[scouts] = self._scouts(state, x[scouts], values[scouts], (x[-1], float(values[-1])), rng)
+        danger = x.take(scouts, axis=0), values.take(scouts)
+        moved[scouts] = self._scouts(state, *danger, (x[-1], float(values[-1])), rng)
         candidates = np.empty_like(moved)
         candidates[order] = bounded(self.bounds, state.box, moved)[0]
         return evolved(state, candidates=candidates)
@@ -118,7 +119,7 @@ class SSA:
         sign = -1.0 if is_printed(self.reading) else 1.0
         leaving = q * np.exp(np.minimum(sign * (worst - others) / rank**2, LARGEST_EXPONENT))
         signs = 2.0 * rng.integers(2, size=others.shape) - 1.0  # A; A^+ = A^T (A A^T)^-1 = A^T / d
-        step = (np.abs(others - leader) * signs).mean(axis=1, keepdims=True)
+        step = (np.abs(others - leader) * signs).sum(axis=1, keepdims=True) / others.shape[1]
         return np.where(rank > len(x) / 2, leaving, leader + step)
 
     def _scouts(

@@ -14,12 +14,13 @@ import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box, evolved
+from study.search.draws import Rng
+from study.search.loop import Box, SideBySide, evolved
 from study.search.population import PopulationState, spread_population
 
 
 @dataclass(frozen=True)
-class STOA:
+class STOA(SideBySide):
     """Terns shrink their position, drift towards the incumbent and spiral around it.
 
     Attributes
@@ -40,16 +41,16 @@ class STOA:
         """Spread terns uniformly."""
         return spread_population(box, population, generations, rng)
 
-    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
+    def ask(self, state: PopulationState, rng: Rng) -> PopulationState:
         """Move every tern; its distance from the spiral's centre contains its own position, a pull to the origin."""
         x, best = state.members, state.incumbent
         sa = self.control * (1.0 - state.progress)
-        drift = sa * (rng.random(x.shape) - 1.0)  # 2 Sa r - Sa with r in [0, 0.5]
-        turn = 1.0 + (sa - 1.0) * rng.random(x.shape)
+        drift = sa * (rng.random(x.shape[-2:]) - 1.0)  # 2 Sa r - Sa with r in [0, 0.5]
+        turn = 1.0 + (sa - 1.0) * rng.random(x.shape[-2:])
         distance = sa * x + drift * (best - x)
         moved = distance * np.exp(self.spiral * turn) * np.cos(2.0 * np.pi * turn) + best
         return evolved(state, candidates=bounded(self.bounds, state.box, moved)[0])
 
-    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
+    def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
         """Take the new positions, better or not."""
         return state.replaced(values)
