@@ -12,6 +12,7 @@ import typer
 
 from study import terminal
 from study.commands import bench, checking, own, pictures, storing, torture
+from study.commands.helping import use_words
 from study.commands.runs import (
     DEFAULT_OUT,
     STORE_NAME,
@@ -188,7 +189,10 @@ def report(
 
 
 @app.command()
-def view(case: Annotated[str, typer.Argument(metavar="CASE")], out: Out = DEFAULT_OUT) -> None:
+def view(
+    case: Annotated[str, typer.Argument(metavar="CASE", help="Its name, as `study list` prints it.")],
+    out: Out = DEFAULT_OUT,
+) -> None:
     """Open the recording of a case in the rerun viewer."""
     path = out / "recordings" / f"{file_stem(case)}.rrd"
     if not path.exists():
@@ -254,6 +258,7 @@ own.register(app)
 pictures.register(app)
 storing.register(app)
 torture.register(app)
+use_words(app)
 
 
 def main() -> None:

@@ -12,7 +12,8 @@ from study.commands.runs import DEFAULT_OUT, make_console
 
 def bench(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer repetitions; about two minutes.")] = False,
-    out: Annotated[Path, typer.Option(help="JSON file for the measurements.")] = DEFAULT_OUT / "bench.json",
+    out: Annotated[Path, typer.Option(metavar="FILE", help="JSON file for the measurements.")] = DEFAULT_OUT
+    / "bench.json",
 ) -> None:
     """Measure kernels, searches and planners next to other packages, and write the report's performance page.
 

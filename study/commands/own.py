@@ -124,13 +124,13 @@ def compare(
     file: Annotated[
         Path | None,
         typer.Argument(
-            metavar="[FILE]",
+            metavar="FILE",
             help="A case (YAML or JSON), or waypoints alone: CSV or a JointTrajectory. Without it the papers' searches "
             "are compared on the papers' cases.",
         ),
     ] = None,
     planners: Annotated[
-        list[str] | None, typer.Option(help=f"As in `study run`. [default: {','.join(COMPARED)}]")
+        list[str] | None, typer.Option(help=f"As in `study run`. [default: {', '.join(COMPARED)}]")
     ] = None,
     seeds: Annotated[int | None, typer.Option(help="Runs of every search. [default: 3 with FILE]")] = None,
     evaluations: Annotated[int, typer.Option(help="Of every search, with FILE.")] = 2000,

@@ -15,7 +15,7 @@ from study.experiment import storekeeping
 store_app = typer.Typer(help="Look after the file of results.", no_args_is_help=True)
 
 Target = Annotated[Path, typer.Argument(metavar="FILE", help="Ends in .csv or .parquet.")]
-Others = Annotated[list[Path], typer.Argument(metavar="OTHER...", help="Results files, or folders that hold one.")]
+Others = Annotated[list[Path], typer.Argument(metavar="OTHER", help="Results files, or folders that hold one.")]
 
 
 @store_app.command()
