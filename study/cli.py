@@ -19,7 +19,6 @@ from study.commands.runs import (
     Engine,
     Interrupted,
     Out,
-    file_stem,
     make_console,
     run_missing,
     show,
@@ -41,6 +40,7 @@ from study.experiment.lineup import (
 )
 from study.experiment.registry import planner_named, planner_names, unavailable_planners
 from study.experiment.store import Store, remembered_lineup
+from study.io.filenames import file_stem
 
 app = typer.Typer(
     help="Compare metaheuristic time-optimal trajectory planners with deterministic ones on five papers' own problems.\n\n"

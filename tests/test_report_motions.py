@@ -16,7 +16,7 @@ from study.experiment.results import Result
 from study.experiment.runner import Task, execute
 from study.report.drawn import HeadlineRow, Mark, crowded
 from study.report.featured import featured
-from study.report.motions import RATE, file_name, motion_files
+from study.report.motions import RATE, motion_files
 from study.report.page import build_report
 from study.report.rows import entries_of
 
@@ -99,15 +99,6 @@ def test_a_judged_total_is_featured_before_a_shorter_one_that_cannot_be_judged(
     index = (folder / "index.html").read_text(encoding="utf-8")
     assert "2.4166 s" in index or "2.4167 s" in index
     assert "2.0718 s" not in index
-
-
-def test_names_of_files_stay_apart_and_plain() -> None:
-    taken: dict[str, str] = {}
-    for label in ("pso:scaled,shared", "PSO:scaled,shared", "../x", "<b>", "index", "published: Gold"):
-        taken[label] = file_name(label, taken.values()) + ".csv"
-    assert list(taken.values()) == [
-        "pso-scaled-shared.csv", "PSO-scaled-shared-2.csv", "x.csv", "b.csv", "index-2.csv", "published-Gold.csv",
-    ]  # fmt: skip
 
 
 def test_labels_in_the_headline_make_way_for_marks() -> None:

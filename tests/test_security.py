@@ -9,7 +9,7 @@ import yaml
 
 from study.errors import StudyError
 from study.experiment.cases import load_case
-from study.report.motions import file_name, file_stem
+from study.io.filenames import file_stem
 from tests.conftest import CASE_FILE
 
 ROOT = Path(__file__).parent.parent
@@ -60,11 +60,40 @@ def test_every_server_of_ours_listens_on_this_machine_alone():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_no_name_leads_out_of_a_folder(tmp_path, name):
-    for stem in (file_stem(name), file_name(name, ())):
-        path = tmp_path / f"{stem}.rrd"
-        assert path.resolve().parent == tmp_path.resolve()
-        assert not re.search(r"[/\\\n:*?\"<>|]", stem)
-        path.write_text("can be written")
+    path = tmp_path / f"{file_stem(name)}.rrd"
+    assert path.resolve().parent == tmp_path.resolve()
+    assert re.fullmatch(r"[A-Za-z0-9_.-]+", file_stem(name))
+    path.write_text("can be written")
+
+
+ALIKE = [
+    "a/b",
+    "a_b",
+    "a-b",
+    "a b",
+    "A-B",
+    "A_b",
+    "a\\b",
+    "a-b.",
+    "-a-b",
+    "ä-b",
+    "index",
+    "Index",
+    "all",
+    "x" * 300,
+    "x" * 301,
+    "",
+]
+
+
+def test_names_that_look_alike_have_files_of_their_own_and_plain_names_stay():
+    alike = [*ALIKE, *NAMES, *(file_stem(name) for name in ALIKE)]
+    stems = [file_stem(name).lower() for name in dict.fromkeys(alike)]  # many disks do not tell case apart
+    assert len(set(stems)) == len(stems)
+    assert max(map(len, stems)) < 100
+    assert not {"con", "aux", "index", "all"} & {file_stem(name) for name in ("con", "aux", "index", "all")}
+    for name in ("woodworking", "ur5-bspline", "my_case", "a.b"):
+        assert file_stem(name) == name
 
 
 @pytest.mark.parametrize(

@@ -1,3 +1,4 @@
+import hashlib
 import io
 import json
 import os
@@ -11,7 +12,17 @@ import pytest
 from study.curves import curve_named
 from study.errors import StudyError
 from study.experiment import store as store_module
-from study.experiment.codec import cell_key, decode, encode, pack_arrays, unpack_arrays
+from study.experiment.codec import (
+    RESULTS_FORMAT,
+    canonical,
+    cell_key,
+    cell_key_in,
+    decode,
+    encode,
+    pack_arrays,
+    settings_text,
+    unpack_arrays,
+)
 from study.experiment.lineup import Budget, Spec, make_cells
 from study.experiment.results import Result
 from study.experiment.runner import Task, execute
@@ -138,6 +149,16 @@ def test_the_key_follows_the_content(tiny_problem, cells):
         cell_key(replace(cell, settings=replace(cell.settings, seed=9)), tiny_problem, "1"),
     ]
     assert len({key, *others}) == 7
+
+
+@pytest.mark.parametrize("curve", ["poly353", '"seed":0, \\"é'])
+def test_keys_and_settings_that_are_put_together_are_the_plain_json(cells, curve):
+    for seed in (0, 7, -3, 10**12):
+        cell = replace(cells[0], settings=replace(cells[0].settings, seed=seed, curve=curve, time_limit=1e-4))
+        text = canonical(vars(cell.settings))
+        assert settings_text(cell.settings) == text
+        whole = canonical([RESULTS_FORMAT, "problem", cell.planner, text, 'version "1"'])
+        assert cell_key_in("problem", cell, 'version "1"') == hashlib.sha256(whole.encode()).hexdigest()
 
 
 def test_a_changed_case_is_missing_again(path, tiny_case, cells, results, open_store):

@@ -21,7 +21,7 @@ from study.commands.runs import (
     STORE_NAME,
     Interrupted,
     Out,
-    file_stem,
+    audit_flags,
     make_console,
     run_missing,
     show,
@@ -37,6 +37,7 @@ from study.experiment.registry import unavailable_planners
 from study.experiment.results import Result
 from study.experiment.store import Store, remembered_lineup
 from study.io.export import form_of, write_motion
+from study.io.filenames import file_stem
 from study.io.joint_trajectory import found_message
 from study.io.rows import parsed
 
@@ -201,7 +202,7 @@ def _link_comparison(out: Path) -> None:
     with Store(out / STORE_NAME, cases, write=False) as store:
         results = store.results(cells)
     if results:
-        build_report(cases, results, out / "report", environment())
+        build_report(cases, results, out / "report", environment(), audit_flags(out), sources)
 
 
 def _compared(planners: Sequence[str] | None) -> tuple[Any, ...]:

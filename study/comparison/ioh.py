@@ -9,7 +9,6 @@ data file per dimension in which every run begins with a header line and evaluat
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
@@ -17,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from study.comparison.contestants import Contestant
+from study.io.filenames import file_stem
 from study.problem import Floats
 
 HEADER = "evaluations raw_y"
@@ -57,8 +57,7 @@ def _worst(found: Sequence[Contestant]) -> float:
 
 
 def _write(folder: Path, one: Contestant, number: int, dimension: int, worst: float) -> Path:
-    name = re.sub(r"[^A-Za-z0-9]+", "-", f"{one.planner}-{one.level}")
-    case = re.sub(r"[^A-Za-z0-9]+", "-", one.case)
+    name, case = file_stem(f"{one.planner}-{one.level}"), file_stem(one.case)
     data = Path(f"data_f{number}_{case}") / f"IOHprofiler_f{number}_DIM{dimension}.dat"
     home = folder / name
     (home / data).parent.mkdir(parents=True, exist_ok=True)

@@ -8,6 +8,8 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import fields
+from functools import lru_cache
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -37,6 +39,10 @@ MAGIC = b"tos-arrays\n"
 
 _ENCODER = json.JSONEncoder(sort_keys=True, separators=(",", ":"))
 _VERDICT_SCALARS = ("duration", "continuity", "violation", "reasons")
+_VERDICT_ARRAYS = tuple(field.name for field in fields(Verdict) if field.name not in _VERDICT_SCALARS)
+_MOTION_ARRAYS = {name: tuple(field.name for field in fields(kind)) for name, kind in MOTIONS.items()}
+_SEEDLESS = tuple(field.name for field in fields(RunSettings) if field.name != "seed")
+_seedless = attrgetter(*_SEEDLESS)
 
 
 def canonical(document: object) -> str:
@@ -84,13 +90,28 @@ def problem_digest(problem: Problem) -> str:
 
 def cell_key_in(problem: str, cell: Cell, version: str) -> str:
     """Name a cell, as `cell_key` does, from the checksum of its problem; a sweep makes each problem's once."""
-    content = [RESULTS_FORMAT, problem, cell.planner, settings_text(cell.settings), version]
-    return hashlib.sha256(canonical(content).encode()).hexdigest()
+    before, after = _around_seed_in_key(problem, cell.planner, version, _seedless(cell.settings))
+    return hashlib.sha256(f"{before}{cell.settings.seed}{after}".encode()).hexdigest()
+
+
+@lru_cache(maxsize=4096)
+def _around_seed_in_key(problem: str, planner: str, version: str, settings: tuple[object, ...]) -> tuple[str, str]:
+    """Cut what a key is made of at the seed, the one thing that changes from cell to cell of a sweep."""
+    before, after = (canonical(part)[1:-1] for part in _around_seed(settings))
+    start, end = canonical([RESULTS_FORMAT, problem, planner])[:-1], canonical([version])[1:]
+    return f'{start},"{before}', f'{after}",{end}'
 
 
 def settings_text(settings: RunSettings) -> str:
     """Write run settings as JSON, the inverse of `settings_from`."""
-    return canonical(vars(settings))
+    before, after = _around_seed(_seedless(settings))
+    return f"{before}{settings.seed}{after}"
+
+
+@lru_cache(maxsize=4096)
+def _around_seed(settings: tuple[object, ...]) -> tuple[str, str]:
+    before, name, after = canonical({**dict(zip(_SEEDLESS, settings, strict=True)), "seed": 0}).partition('"seed":')
+    return before + name, after[1:]
 
 
 def pack_arrays(arrays: Mapping[str, NDArray[Any]]) -> bytes:
@@ -104,10 +125,15 @@ def pack_arrays(arrays: Mapping[str, NDArray[Any]]) -> bytes:
         If an array holds anything but numbers.
     """
     parts = {name: np.asarray(array, order="C") for name, array in arrays.items()}
-    for name, part in parts.items():
-        _check_numbers(name, part.dtype)
-    header = canonical([[name, array.dtype.str, array.shape] for name, array in parts.items()]).encode()
-    return b"".join((MAGIC, len(header).to_bytes(4, "little"), header, *(part.tobytes() for part in parts.values())))
+    header = _header(tuple((name, part.dtype, part.shape) for name, part in parts.items()))
+    return b"".join((header, *(part.tobytes() for part in parts.values())))
+
+
+@lru_cache(maxsize=4096)
+def _header(parts: tuple[tuple[str, np.dtype[Any], tuple[int, ...]], ...]) -> bytes:
+    """Name arrays; cells of a sweep have the same ones."""
+    text = canonical([[name, _check_numbers(name, dtype).str, shape] for name, dtype, shape in parts]).encode()
+    return MAGIC + len(text).to_bytes(4, "little") + text
 
 
 def unpack_arrays(blob: bytes) -> Arrays:
@@ -155,7 +181,7 @@ def encode(result: Result) -> tuple[str, bytes]:
         arrays.update(_motion_arrays(result.motion))
     if result.verdict is not None:
         document["verdict"] = {name: getattr(result.verdict, name) for name in _VERDICT_SCALARS}
-        arrays.update({f"verdict.{name}": getattr(result.verdict, name) for name in _verdict_arrays()})
+        arrays.update({f"verdict.{name}": getattr(result.verdict, name) for name in _VERDICT_ARRAYS})
     return canonical(document), pack_arrays(arrays)
 
 
@@ -202,7 +228,7 @@ def check_storable(motion: Motion) -> None:
 
 def _motion_arrays(motion: Motion) -> Arrays:
     check_storable(motion)
-    return {f"motion.{field.name}": getattr(motion, field.name) for field in fields(MOTIONS[type(motion).__name__])}
+    return {f"motion.{name}": getattr(motion, name) for name in _MOTION_ARRAYS[type(motion).__name__]}
 
 
 def _motion(name: str, arrays: Arrays) -> Motion:
@@ -210,10 +236,6 @@ def _motion(name: str, arrays: Arrays) -> Motion:
     return MOTIONS[name](**parts)
 
 
-def _verdict_arrays() -> list[str]:
-    return [field.name for field in fields(Verdict) if field.name not in _VERDICT_SCALARS]
-
-
 def _verdict(scalars: Mapping[str, Any], arrays: Arrays) -> Verdict:
-    tables: dict[str, Any] = {name: arrays[f"verdict.{name}"] for name in _verdict_arrays()}
+    tables: dict[str, Any] = {name: arrays[f"verdict.{name}"] for name in _VERDICT_ARRAYS}
     return Verdict(**{**scalars, **tables, "reasons": tuple(scalars["reasons"])})

@@ -11,6 +11,7 @@ import hashlib
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import islice
 from pathlib import Path
 from types import TracebackType
 
@@ -35,7 +36,12 @@ from study.planning import Status
 CHECKED = "key, case_name, planner, settings, seed, version, status, feasible, duration, worst_ratio, evaluations"
 """Columns under a row's checksum, in their order."""
 
-_ROW = f"INSERT OR IGNORE INTO results ({CHECKED}, digest, wall_time, times, label) VALUES ({', '.join('?' * 15)})"  # noqa: S608
+_ROW = f"INSERT INTO results ({CHECKED}, digest, wall_time, times, label, id) VALUES ({', '.join('?' * 16)})"  # noqa: S608
+_PAYLOAD = "INSERT INTO payloads VALUES (?, ?, ?)"
+_KNOWN = "SELECT value FROM json_each(?) WHERE value IN (SELECT key FROM results)"
+_BATCH = 10_000
+"""Keys that are looked up by one question."""
+
 _Row = tuple[object, ...]
 
 
@@ -125,14 +131,21 @@ class Store:
         StudyError
             If the file cannot be written, as on a full disk; what was stored before is safe.
         """
-        rows = [self._row(result) for result in results]
+        rows = {str(row[0]): (row, payload) for row, payload in map(self._row, results)}
         with explained(self.path), self._transaction():
-            for row, payload in rows:
+            for key in self._known(rows):
                 if replace:
-                    self._forget(str(row[0]))
-                inserted = self._connection.execute(_ROW, row)
-                if inserted.rowcount:
-                    self._connection.execute("INSERT INTO payloads VALUES (?, ?, ?)", (inserted.lastrowid, *payload))
+                    self._forget(key)
+                else:
+                    del rows[key]
+            first = self._connection.execute("SELECT coalesce(max(id), 0) + 1 FROM results").fetchone()[0]
+            new = list(enumerate(rows.values(), first))
+            self._connection.executemany(_ROW, ((*row, number) for number, (row, _) in new))
+            self._connection.executemany(_PAYLOAD, ((number, *payload) for number, (_, payload) in new))
+
+    def _known(self, keys: Iterable[str]) -> list[str]:
+        """Which of these keys are stored."""
+        return [key for (key,) in self._connection.execute(_KNOWN, (canonical(list(keys)),))]
 
     def _forget(self, key: str) -> None:
         self._connection.execute("DELETE FROM payloads WHERE id = (SELECT id FROM results WHERE key = ?)", (key,))
@@ -170,9 +183,12 @@ class Store:
 
     def missing(self, cells: Iterable[Cell]) -> list[Cell]:
         """Cells that have no stored result, in the order given."""
-        question = "SELECT 1 FROM results WHERE key = ?"
+        waiting, left = iter(cells), list[Cell]()
         with explained(self.path):
-            return [cell for cell in cells if not self._connection.execute(question, (self.key(cell),)).fetchone()]
+            while batch := [(self.key(cell), cell) for cell in islice(waiting, _BATCH)]:
+                known = set(self._known(key for key, _ in batch))
+                left += [cell for key, cell in batch if key not in known]
+        return left
 
     def results(self, cells: Iterable[Cell]) -> list[Result]:
         """Stored results of cells, in the order given; cells without one are left out.

@@ -14,12 +14,13 @@ from markupsafe import Markup
 from study.errors import StudyError
 from study.experiment.cases import Case
 from study.experiment.results import Result
+from study.io.filenames import file_stem
 from study.judge import RATES, TOLERANCE
 from study.report import drawn, figures, wording
 from study.report.convergence import convergence_of
 from study.report.featured import ROLE_NAMES, ROLES, Featured, featured
 from study.report.ladder import Rung, ladder_of
-from study.report.motions import file_name, file_stem, motion_files, write_motions
+from study.report.motions import motion_files, write_motions
 from study.report.papers import paper_of
 from study.report.rows import MEANING, Entry, entries_of, lower_bound
 from study.report.sentences import answer
@@ -125,10 +126,7 @@ def write_viewers(scripts: Mapping[str, Sequence[str]], cases: Mapping[str, Case
 
 def slugs(cases: Iterable[Case]) -> dict[str, Case]:
     """Cases by the stem of their pages."""
-    found: dict[str, Case] = {}
-    for case in cases:
-        found[file_name(case.name, found)] = case
-    return found
+    return {file_stem(case.name): case for case in cases}
 
 
 def _render(template: str, context: Mapping[str, object]) -> str:
