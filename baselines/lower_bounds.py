@@ -31,7 +31,10 @@ first and the last cell are the point 0; where the end condition is free, all ce
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
 from typing import Any
 
 import numpy as np
@@ -196,10 +199,15 @@ def _refined(grid: Grid, joints: list[Chains], weights: Floats, known: float, mo
     values = [joint.cheapest(weights[:, j])[0] for j, joint in enumerate(joints)]
     result = []
     for j, (joint, row) in enumerate(zip(joints, grid, strict=True)):
-        room = known - (sum(values) - values[j])
+        room = known - (_added(values) - values[j])
         masks = [through <= room for through in joint.through(weights[:, j])]
         result.append([_halved(cells, mask, most_cells) for cells, mask in zip(row, masks, strict=True)])
     return result
+
+
+def _added(values: Iterable[float]) -> float:
+    """Add from left to right; the built-in `sum` rounds otherwise since Python 3.12."""
+    return reduce(add, values)
 
 
 def _halved(cells: Cells, mask: NDArray[np.bool_], most_cells: int) -> Cells:
@@ -224,7 +232,7 @@ def best_weights(joints: list[Chains]) -> tuple[float, Floats, int]:
     while done < ROUNDS and ceiling - best > TOLERANCE * best:
         done += 1
         found = [joint.cheapest(trial[:, j]) for j, joint in enumerate(joints)]
-        value = sum(value for value, _ in found)
+        value = _added(value for value, _ in found)
         if value > best:
             best, centre = value, trial
         for chains, (_, times) in zip(pool, found, strict=True):
