@@ -61,7 +61,7 @@ RULES: dict[str, Callable[[Box, Floats, Floats], Moved]] = {
 }
 
 
-def bounded(rule: str, box: Box, positions: Floats, velocities: Floats | None = None) -> Moved:
+def bounded(rule: str, box: Box, positions: Floats, velocities: Floats) -> Moved:
     """Apply a rule by name.
 
     Parameters
@@ -69,8 +69,8 @@ def bounded(rule: str, box: Box, positions: Floats, velocities: Floats | None = 
     rule : str
     box : Box
     positions : array of shape (n_candidates, n_dimensions)
-    velocities : array of the same shape, optional
-        Per generation; zeros where a search has none.
+    velocities : array of the same shape
+        Per generation.
 
     Raises
     ------
@@ -79,4 +79,9 @@ def bounded(rule: str, box: Box, positions: Floats, velocities: Floats | None = 
     """
     if rule not in RULES:
         raise unknown("bounds rule", rule, RULES)
-    return RULES[rule](box, positions, np.zeros(positions.shape) if velocities is None else velocities)
+    return RULES[rule](box, positions, velocities)
+
+
+def brought_back(rule: str, box: Box, positions: Floats) -> Floats:
+    """Apply a rule by name to candidates without velocities, as `bounded` does to others."""
+    return bounded(rule, box, positions, positions)[0]

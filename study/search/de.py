@@ -14,7 +14,7 @@ import numpy as np
 
 from study.errors import StudyError
 from study.problem import Floats
-from study.search.bounds import bounded
+from study.search.bounds import brought_back
 from study.search.loop import Box, evolved
 from study.search.population import PopulationState, check_share, spread_population
 
@@ -65,7 +65,7 @@ class DE:
         mutant = a + self.factor * (b - c)
         crossed = rng.random((n, d)) < self.crossover
         crossed[_others(n)[0], rng.integers(d, size=n)] = True
-        return evolved(state, candidates=bounded(self.bounds, state.box, np.where(crossed, mutant, x))[0])
+        return evolved(state, candidates=brought_back(self.bounds, state.box, np.where(crossed, mutant, x)))
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Keep each trial that is better than its parent."""

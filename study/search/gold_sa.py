@@ -20,7 +20,7 @@ from typing import Self
 import numpy as np
 
 from study.problem import Floats
-from study.search.bounds import bounded
+from study.search.bounds import brought_back
 from study.search.draws import Generators, Rng
 from study.search.loop import Box, SideBySide, State, evolved
 from study.search.pso import Scalars, uniform_population
@@ -174,7 +174,7 @@ class GoldSA(SideBySide):
         r1, r2 = golden_angles(x.shape[-2:], self.per_dimension, self.linked, rng)
         sine, pull = np.sin(r1), np.abs(x1 * state.incumbent - x2 * x)
         x = x * np.abs(sine) - r2 * sine * pull  # eq. (25)
-        return evolved(state, candidates=bounded(self.bounds, state.box, x)[0])
+        return evolved(state, candidates=brought_back(self.bounds, state.box, x))
 
     def tell(self, state: GoldState, values: Floats, rng: Rng) -> GoldState:
         """Remember the best and step the golden sections."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats
-from study.search.bounds import bounded
+from study.search.bounds import brought_back
 from study.search.chaos import MAPS, chaotic_population
 from study.search.draws import Rng
 from study.search.gold_sa import GoldState, Sections, golden_angles
@@ -98,7 +98,7 @@ class GoldSPSO(SideBySide):
         own = self.cognitive * np.abs(sine) * (state.own_best - x)
         pull = self.social * r2 * sine * np.abs(x1 * state.incumbent - x2 * x)
         x = self.acceleration * (w * x + own - pull)  # eq. (30)
-        return evolved(state, candidates=bounded(self.bounds, state.box, x)[0])
+        return evolved(state, candidates=brought_back(self.bounds, state.box, x))
 
     def tell(self, state: GoldenSwarmState, values: Floats, rng: Rng) -> GoldenSwarmState:
         """Remember what was better and step the golden sections."""

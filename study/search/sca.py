@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats
-from study.search.bounds import bounded
+from study.search.bounds import brought_back
 from study.search.draws import Rng
 from study.search.loop import Box, SideBySide, evolved
 from study.search.population import PopulationState, spread_population
@@ -45,7 +45,7 @@ class SCA(SideBySide):
         r2, r3, r4 = rng.random((3, *x.shape[-2:]))
         swing = np.where(r4 < 0.5, np.sin(2.0 * np.pi * r2), np.cos(2.0 * np.pi * r2))
         moved = x + r1 * swing * np.abs(2.0 * r3 * state.incumbent - x)  # eq. (3.3)
-        return evolved(state, candidates=bounded(self.bounds, state.box, moved)[0])
+        return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
 
     def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
         """Take the new positions, better or not."""

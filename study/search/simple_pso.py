@@ -16,7 +16,7 @@ from typing import TypeVar
 import numpy as np
 
 from study.problem import Floats
-from study.search.bounds import bounded
+from study.search.bounds import brought_back
 from study.search.draws import Rng
 from study.search.loop import Box, SideBySide, evolved
 from study.search.pso import SwarmState, linear, swarm_at_rest, uniform_population
@@ -30,7 +30,7 @@ def contracted(state: W, rng: Rng, weights: tuple[float, float, float], bounds: 
     x = state.candidates
     r1, r2 = rng.random((2, *x.shape[-2:]))
     x = w * x + c1 * r1 * (state.own_best - x) + c2 * r2 * (state.incumbent - x)  # eq. (22)
-    return evolved(state, candidates=bounded(bounds, state.box, x)[0])
+    return evolved(state, candidates=brought_back(bounds, state.box, x))
 
 
 @dataclass(frozen=True)

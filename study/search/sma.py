@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats
-from study.search.bounds import bounded
+from study.search.bounds import brought_back
 from study.search.loop import Box, evolved
 from study.search.population import PopulationState, badness, check_choice, check_share, spread_population
 from study.search.reading import is_printed
@@ -68,7 +68,7 @@ class SMA:
         nears = rng.random((n, d)) < approach_probability(state)
         moved = np.where(nears, approach, feedback(state, self.reading, rng) * x)
         moved = restarted(moved, state.box, rng, self.restart_share, self._restart())
-        return evolved(state, candidates=bounded(self.bounds, state.box, moved)[0])
+        return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Take the new positions, better or not."""
@@ -113,7 +113,12 @@ def restarted(moved: Floats, box: Box, rng: np.random.Generator, share: float, h
     """
     r1 = rng.random((len(moved), 1))
     anywhere = r1 if how == "same-number" else rng.random((len(moved), 1 if how == "diagonal" else moved.shape[1]))
-    return np.where(r1 < share, box.at(anywhere), moved)
+    rows = (r1[:, 0] < share).nonzero()[0]
+    if not rows.size:
+        return moved
+    moved = moved.copy()
+    moved[rows] = box.at(anywhere[rows])
+    return moved
 
 
 def fitness_weights(values: Floats, r: Floats, log_base: float) -> Floats:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats
-from study.search.bounds import bounded
+from study.search.bounds import brought_back
 from study.search.loop import evolved
 from study.search.population import PopulationState, check_share
 from study.search.reading import is_printed
@@ -70,7 +70,7 @@ class SMWOA(WOA):
             moved = np.where(nears, moved, feedback(state, "standard", rng) * state.members)
         if self.restart_share > 0.0:
             moved = restarted(moved, state.box, rng, self.restart_share, "diagonal")
-        return evolved(state, candidates=bounded(self.bounds, state.box, moved)[0])
+        return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
 
     def _distances(
         self, state: PopulationState, draws: WhaleDraws, rng: np.random.Generator

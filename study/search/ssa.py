@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from study.problem import Floats
-from study.search.bounds import bounded
+from study.search.bounds import brought_back
 from study.search.chaos import chaotic_population, map_named
 from study.search.loop import Box, evolved
 from study.search.population import PopulationState, check_choice, check_share, new_population
@@ -21,7 +22,14 @@ from study.search.pso import uniform_population
 from study.search.reading import is_printed
 
 STARTS = ("uniform", "tent")
+SIGNS = np.array([-1.0, 1.0])
 LARGEST_EXPONENT = 700.0  # e^709 is the largest double
+
+
+@lru_cache(maxsize=64)
+def _ranks(n: int) -> Floats:
+    """Ranks from the best, 1, to the worst, shape (n, 1)."""
+    return np.arange(1.0, n + 1)[:, None]
 
 
 @dataclass(frozen=True)
@@ -95,7 +103,7 @@ class SSA:
         danger = x.take(scouts, axis=0), values.take(scouts)
         moved[scouts] = self._scouts(state, *danger, (x[-1], float(values[-1])), rng)
         candidates = np.empty_like(moved)
-        candidates[order] = bounded(self.bounds, state.box, moved)[0]
+        candidates[order] = brought_back(self.bounds, state.box, moved)
         return evolved(state, candidates=candidates)
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
@@ -108,19 +116,19 @@ class SSA:
         if alarm >= self.safety:
             return x + rng.standard_normal((len(x), 1))  # x + Q L
         alpha = 1.0 - rng.random((len(x), 1))  # in (0, 1]
-        rank = np.arange(1, len(x) + 1)[:, None]
-        return x * np.exp(-rank / (alpha * generations))
+        return x * np.exp(-_ranks(len(x)) / (alpha * generations))
 
     def _joiners(self, x: Floats, first: int, leader: Floats, rng: np.random.Generator) -> Floats:
         """New positions of the others, Eq. (14); the hungry ones, ranked in the lower half, leave."""
-        worst, others = x[-1], x[first:]
-        rank = np.arange(first + 1, len(x) + 1)[:, None]
-        q = rng.standard_normal((len(others), 1))
-        sign = -1.0 if is_printed(self.reading) else 1.0
-        leaving = q * np.exp(np.minimum(sign * (worst - others) / rank**2, LARGEST_EXPONENT))
-        signs = 2.0 * rng.integers(2, size=others.shape) - 1.0  # A; A^+ = A^T (A A^T)^-1 = A^T / d
-        step = (np.abs(others - leader) * signs).sum(axis=1, keepdims=True) / others.shape[1]
-        return np.where(rank > len(x) / 2, leaving, leader + step)
+        n, d = x.shape
+        q = rng.standard_normal((n - first, 1))
+        signs = SIGNS.take(rng.integers(2, size=(n - first, d)))  # A; A^+ = A^T (A A^T)^-1 = A^T / d
+        half = max(n // 2, first)
+        hungry, worst = x[half:], x[-1]
+        fall = hungry - worst if is_printed(self.reading) else worst - hungry
+        leaving = q[half - first :] * np.exp(np.minimum(fall / _ranks(n)[half:] ** 2, LARGEST_EXPONENT))
+        step = (np.abs(x[first:half] - leader) * signs[: half - first]).sum(axis=1, keepdims=True) / d
+        return np.concatenate([leader + step, leaving])
 
     def _scouts(
         self,
@@ -132,10 +140,13 @@ class SSA:
     ) -> Floats:
         """New positions of the sparrows that sense danger, Eq. (15)."""
         to_best = state.incumbent + self._beta(state, x, rng) * np.abs(x - state.incumbent)
+        k = self._k(state, len(x), rng)
+        behind = values > state.incumbent_value
+        if behind.all():
+            return to_best
         away = x - worst[0] if is_printed(self.reading) else np.abs(x - worst[0])
         fall = state.incumbent_value - worst[1] if math.isfinite(worst[1]) else -math.inf
-        fleeing = x + self._k(state, len(x), rng) * away / (fall + 1e-50)
-        return np.where((values > state.incumbent_value)[:, None], to_best, fleeing)
+        return np.where(behind[:, None], to_best, x + k * away / (fall + 1e-50))
 
     def _beta(self, state: PopulationState, x: Floats, rng: np.random.Generator) -> Floats | float:
         printed = is_printed(self.reading)

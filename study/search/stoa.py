@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats
-from study.search.bounds import bounded
+from study.search.bounds import brought_back
 from study.search.draws import Rng
 from study.search.loop import Box, SideBySide, evolved
 from study.search.population import PopulationState, spread_population
@@ -49,7 +49,7 @@ class STOA(SideBySide):
         turn = 1.0 + (sa - 1.0) * rng.random(x.shape[-2:])
         distance = sa * x + drift * (best - x)
         moved = distance * np.exp(self.spiral * turn) * np.cos(2.0 * np.pi * turn) + best
-        return evolved(state, candidates=bounded(self.bounds, state.box, moved)[0])
+        return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
 
     def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
         """Take the new positions, better or not."""

@@ -8,11 +8,12 @@ UR5 paper on SMWOA, Section 2.1, Eqs. (1)-(7), after Mirjalili and Lewis (2016).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from study.problem import Floats
-from study.search.bounds import bounded
+from study.search.bounds import brought_back
 from study.search.loop import Box, evolved
 from study.search.population import PopulationState, check_choice, spread_population
 
@@ -64,15 +65,14 @@ class WOA:
             return np.abs(draws.c * leader - x)  # D, D'', eqs. (4), (7)
 
         moved = whale_moves(draws, a, (best, r), (around(best), np.abs(best - x), around(r)), self.spiral)
-        return evolved(state, candidates=bounded(self.bounds, state.box, moved)[0])
+        return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Take the new positions, better or not."""
         return state.replaced(values)
 
 
-@dataclass(frozen=True, eq=False)
-class WhaleDraws:
+class WhaleDraws(NamedTuple):
     """One generation's random numbers.
 
     Attributes
