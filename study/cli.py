@@ -103,8 +103,8 @@ def run(
         bool,
         typer.Option(
             "--live",
-            help="Watch in the rerun viewer: every cell appears as soon as it is finished, with its motion and how its "
-            "search got there; what goes on inside a cell is not shown before its end.",
+            help="Watch in the rerun viewer: the running searches several times a second, with their candidates and the "
+            "best motion so far, and every cell as soon as it is finished, with how its search got there.",
         ),
     ] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Run stored cells again too.")] = False,

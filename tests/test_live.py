@@ -35,6 +35,7 @@ def arguments(case_file: Path, tmp_path: Path) -> Arguments:
 @pytest.mark.timeout(180)
 def test_every_finished_cell_arrives_in_the_viewer(arguments: Arguments, monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[str] = []
+    running: set[tuple[str, int]] = set()
     seen: dict[str, object] = {}
 
     @contextmanager
@@ -42,6 +43,15 @@ def test_every_finished_cell_arrives_in_the_viewer(arguments: Arguments, monkeyp
         with live_recording((1280, 720)) as (live, url):
             add = live.add
             monkeypatch.setattr(live, "add", lambda case, result: (told.append(result.cell.label), add(case, result)))
+            show = live.show
+            monkeypatch.setattr(
+                live,
+                "show",
+                lambda case, cell, progress: (
+                    running.add((cell.label, cell.settings.seed)),
+                    show(case, cell, progress),
+                ),
+            )
             yield live, url
             live.close()
             client = ViewerClient.connect(url)
@@ -53,7 +63,8 @@ def test_every_finished_cell_arrives_in_the_viewer(arguments: Arguments, monkeyp
     ended = CliRunner().invoke(app, arguments)
     assert ended.exception is None, ended.output
     assert sorted(told) == ["pso"] * 3 + ["random-search"] * 3
-    assert "Convergence" in seen["names"]  # type: ignore[operator]
+    assert running == {(label, seed) for label in ("pso", "random-search") for seed in range(3)}  # before they ended
+    assert {"Searching now", "Convergence"} <= seen["names"]  # type: ignore[operator]
     assert seen["complaints"] == []
     assert seen["coloured"] > 5e-4  # type: ignore[operator]
     told.clear()
@@ -106,4 +117,4 @@ def test_without_a_viewer_the_run_does_not_begin(arguments: Arguments, monkeypat
 def test_the_help_says_what_live_shows() -> None:
     text = " ".join(CliRunner().invoke(app, ["run", "--help"], env={"COLUMNS": "200"}).output.replace("│", " ").split())
     assert "--live" in text
-    assert "what goes on inside a cell is not shown" in text
+    assert "running searches several times a second" in text

@@ -17,9 +17,10 @@ from study import terminal
 from study.experiment.cases import Case
 from study.experiment.engines import dask_executor
 from study.experiment.environment import environment
+from study.experiment.progress import Progress
 from study.experiment.results import Cell, Result
 from study.experiment.runner import RunOptions, default_jobs, run_cells
-from study.experiment.store import Store
+from study.experiment.store import Store, remembered_lineup
 from study.experiment.summary import summarise
 from study.io.filenames import file_stem
 
@@ -59,6 +60,22 @@ class Engine:
             yield executor
 
 
+@dataclass(frozen=True)
+class Watch:
+    """Who is told how a run goes.
+
+    Attributes
+    ----------
+    finished : callable (result)
+        Told of every result once it is stored.
+    progress : callable (cell, progress), optional
+        Told a few times a second where the running searches stand.
+    """
+
+    finished: Callable[[Result], None] = lambda result: None
+    progress: Callable[[Cell, Progress], None] | None = None
+
+
 class Interrupted(Exception):
     """Ctrl-C, with the sentence to say."""
 
@@ -78,17 +95,17 @@ def run_missing(
     store: Store,
     jobs: int | None,
     console: Console,
-    watch: Callable[[Result], None] = lambda result: None,
+    watch: Watch | None = None,
     engine: Engine | None = None,
 ) -> None:
-    """Run the cells that are not stored yet, with a bar; `watch` is told of each once it is stored.
+    """Run the cells that are not stored yet, with a bar.
 
     Raises
     ------
     Interrupted
         On Ctrl-C.
     """
-    engine = Engine() if engine is None else engine
+    engine, watch = engine or Engine(), watch or Watch()
     missing = list(cells) if engine.fresh else store.missing(cells)
     console.print(f"{len(cells)} cells, {len(cells) - len(missing)} of them stored already")
     done = 0
@@ -99,11 +116,11 @@ def run_missing(
             nonlocal done
             done += 1
             progress.update(task, advance=1, description=f"{result.cell.case}: {result.cell.label}")
-            watch(result)
+            watch.finished(result)
 
         try:
             with engine.executor(jobs) as executor:
-                options = RunOptions(engine.fresh, engine.memory)
+                options = RunOptions(engine.fresh, engine.memory, watch.progress)
                 run_cells(missing, cases, store, executor=executor, jobs=jobs, options=options, on_result=finished)
         except KeyboardInterrupt:
             raise Interrupted(
@@ -114,8 +131,8 @@ def run_missing(
 
 
 @contextmanager
-def watching(cases: Mapping[str, Case], live: bool, known: Sequence[Result] = ()) -> Iterator[Callable[[Result], None]]:
-    """Give what is to be told of every finished cell: with `live` an open viewer, otherwise nothing.
+def watching(cases: Mapping[str, Case], live: bool, known: Sequence[Result] = ()) -> Iterator[Watch]:
+    """Give who is to be told how the run goes: with `live` an open viewer, otherwise nobody.
 
     Parameters
     ----------
@@ -130,7 +147,7 @@ def watching(cases: Mapping[str, Case], live: bool, known: Sequence[Result] = ()
         If the viewer or a display is missing.
     """
     if not live:
-        yield lambda result: None
+        yield Watch()
         return
     _keep_to_oneself()
     from study.report import recording  # here: rerun is slow to import
@@ -138,7 +155,10 @@ def watching(cases: Mapping[str, Case], live: bool, known: Sequence[Result] = ()
     with recording.live_recording() as (viewer, _):
         for result in known:
             viewer.add(cases[result.cell.case], result)
-        yield lambda result: viewer.add(cases[result.cell.case], result)
+        yield Watch(
+            finished=lambda result: viewer.add(cases[result.cell.case], result),
+            progress=lambda cell, progress: viewer.show(cases[cell.case], cell, progress),
+        )
 
 
 def show(
@@ -179,7 +199,8 @@ def write(
         shown = slugs(cases[name] for name in cases if any(result.cell.case == name for result in results))
         files = {slug: recording_file(out, case.name) for slug, case in shown.items()}
         write_viewers(interactive_pages(files, out / "report"), shown, out / "report")
-    index = build_report(cases, results, out / "report", environment(), audit_flags(out))
+    sources = remembered_lineup(out / STORE_NAME)[1] if (out / STORE_NAME).is_file() else {}
+    index = build_report(cases, results, out / "report", environment(), audit_flags(out), sources)
     return index, out / "recordings"
 
 

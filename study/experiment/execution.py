@@ -10,6 +10,8 @@ import numpy as np
 from study.deadline import watched
 from study.errors import StudyError
 from study.experiment.codec import check_storable
+from study.experiment.pool import speaker
+from study.experiment.progress import reporting
 from study.experiment.registry import planner_named
 from study.experiment.results import Cell, Result
 from study.judge import judge
@@ -31,7 +33,7 @@ def execute(task: Task) -> Result:
     try:
         planner = planner_named(task.cell.planner)
         started = time.perf_counter()
-        with watched() as watch:
+        with watched() as watch, reporting(speaker()):
             plan = planner.plan(task.problem, task.cell.settings)
         wall_time = time.perf_counter() - started
         return judged(task, cut_short(plan) if watch.reached else plan, wall_time)

@@ -13,6 +13,7 @@ import pickle
 import queue
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
@@ -35,6 +36,12 @@ _THREADS = (
 _Task = tuple[Future[Any], Callable[..., Any], tuple[Any, ...], dict[str, Any]]
 _spawn = multiprocessing.get_context("spawn")
 _starting = threading.Lock()
+_speak: Callable[[Any], None] | None = None
+
+
+def speaker() -> Callable[[Any], None] | None:
+    """In a worker that is listened to, the way to say something in the middle of a task; None anywhere else."""
+    return _speak
 
 
 class WorkerDied(Exception):
@@ -56,13 +63,21 @@ class WorkerPool(Executor):
         Wall time after which a task with these arguments is stopped by killing its worker.
     memory : int, bytes, optional
         What a worker may take beyond what it has when its first task arrives; see `MEMORY`.
+    hear : callable (said, *args, **kwargs), optional
+        Told what a worker says in the middle of a task with these arguments; from a thread of the pool's.
     """
 
-    def __init__(self, jobs: int, limit: Callable[..., float] | None = None, memory: int | None = None) -> None:
+    def __init__(
+        self,
+        jobs: int,
+        limit: Callable[..., float] | None = None,
+        memory: int | None = None,
+        hear: Callable[..., None] | None = None,
+    ) -> None:
         self._limit = limit
         self._tasks: queue.SimpleQueue[_Task | None] = queue.SimpleQueue()
         self._closing = threading.Event()
-        self._workers = [_Worker(self._closing, memory) for _ in range(jobs)]
+        self._workers = [_Worker(self._closing, memory, hear) for _ in range(jobs)]
         self._threads = [threading.Thread(target=self._drive, args=(w,), daemon=True) for w in self._workers]
         for thread in self._threads:
             thread.start()
@@ -104,8 +119,10 @@ class WorkerPool(Executor):
 class _Worker:
     """One process and the pipe to it; started when first needed and again after a death."""
 
-    def __init__(self, closing: threading.Event, memory: int | None = None) -> None:
-        self._closing, self.memory = closing, memory
+    def __init__(
+        self, closing: threading.Event, memory: int | None = None, hear: Callable[..., None] | None = None
+    ) -> None:
+        self._closing, self.memory, self._hear = closing, memory, hear
         self._process: Any = None
         self._pipe: Connection | None = None
 
@@ -122,10 +139,16 @@ class _Worker:
         """Let the process do one task, for at most `limit` seconds from when it is ready."""
         pipe = self._ready()
         pipe.send(message)
-        if not wait([pipe, self._process.sentinel], limit):
-            self.kill()
-            raise Overdue(f"stopped after {limit:g} s")
-        done, outcome = self._received(pipe)
+        end = time.monotonic() + (limit or 0.0)
+        done = None
+        while done is None:
+            left = None if limit is None else max(end - time.monotonic(), 0.0)
+            if not wait([pipe, self._process.sentinel], left):
+                self.kill()
+                raise Overdue(f"stopped after {limit:g} s")
+            done, outcome = self._received(pipe)
+            if done is None and self._hear is not None:
+                self._hear(outcome, *message[1], **message[2])
         if not done:
             raise outcome
         return outcome
@@ -139,7 +162,7 @@ class _Worker:
 
     def _start(self) -> None:
         self._pipe, theirs = _spawn.Pipe()
-        self._process = _spawn.Process(target=_serve, args=(theirs, self.memory), daemon=True)
+        self._process = _spawn.Process(target=_serve, args=(theirs, self.memory, self._hear is not None), daemon=True)
         with _starting:
             before = {name: os.environ.get(name) for name in _THREADS}
             os.environ.update(dict.fromkeys(_THREADS, "1"))  # read when the worker first imports NumPy
@@ -209,8 +232,11 @@ def _ending(code: int | None) -> str:
         return f"was ended by signal {-code}"
 
 
-def _serve(pipe: Connection, memory: int | None = None) -> None:
+def _serve(pipe: Connection, memory: int | None = None, heard: bool = False) -> None:
     """Work off tasks until the other end closes; native chatter would spoil the display, so it goes nowhere."""
+    global _speak
+    if heard:
+        _speak = lambda said: pipe.send((None, said))  # noqa: E731
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the main process's business
     threading.Thread(target=_die_with_parent, daemon=True).start()
     with open(os.devnull, "w") as nowhere:

@@ -14,6 +14,7 @@ from study.errors import StudyError
 from study.experiment.cases import Case
 from study.experiment.execution import Task, execute, failed
 from study.experiment.pool import Overdue, WorkerDied, WorkerPool, call_guarded
+from study.experiment.progress import Progress
 from study.experiment.results import Cell, Result
 from study.experiment.store import Store
 from study.planning import Status
@@ -23,6 +24,7 @@ __all__ = ["RunOptions", "Task", "default_jobs", "execute", "hard_limit", "run_c
 WINDOW = 1000
 """Cells handed to the executor ahead of time; bounds the memory of a sweep of millions."""
 
+_Arrivals = queue.SimpleQueue[Future[Result] | tuple[Cell, Progress]]
 _Submit = Callable[[Task], Future[Result]]
 _Take = Callable[[Task, Callable[[], Result]], Result]
 
@@ -37,10 +39,13 @@ class RunOptions:
         Whether cells that are stored are run again, each replacing the stored one as it finishes.
     memory : int, bytes, optional
         What a worker may take beyond its code and libraries.
+    on_progress : callable (cell, progress), optional
+        Told a few times a second where every running search stands; not on somebody else's executor.
     """
 
     fresh: bool = False
     memory: int | None = None
+    on_progress: Callable[[Cell, Progress], None] | None = None
 
 
 USUAL = RunOptions()
@@ -96,42 +101,51 @@ def run_cells(
     if jobs < 1:
         raise StudyError(f"the number of jobs must be at least 1, got {jobs}")
     tasks = [Task(cell, cases[cell.case].problem) for cell in chosen]
-    with _submitting(executor, min(jobs, len(tasks)), options.memory) as (submit, take):
-        for results in _finished(tasks, submit, take):
+    arrivals: _Arrivals = queue.SimpleQueue()
+    with _submitting(executor, min(jobs, len(tasks)), options, arrivals) as (submit, take):
+        for results in _finished(tasks, submit, take, arrivals, options):
             store.add(*results, replace=options.fresh)
             for result in results:
                 on_result(result)
 
 
 @contextmanager
-def _submitting(executor: Executor | None, jobs: int, memory: int | None) -> Iterator[tuple[_Submit, _Take]]:
+def _submitting(
+    executor: Executor | None, jobs: int, options: RunOptions, arrivals: _Arrivals
+) -> Iterator[tuple[_Submit, _Take]]:
     """How to hand a task over and take its answer: someone else's executor, or a pool that ends with the block."""
     if executor is not None:
-        yield lambda task: executor.submit(run_guarded, task, memory), _answered
+        yield lambda task: executor.submit(run_guarded, task, options.memory), _answered
         return
-    pool = WorkerPool(jobs, hard_limit, memory)
+    hear = None if options.on_progress is None else lambda said, task: arrivals.put((task.cell, said))
+    pool = WorkerPool(jobs, hard_limit, options.memory, hear)
     try:
         yield lambda task: pool.submit(execute, task), _recorded
     finally:
         pool.shutdown(cancel_futures=True)
 
 
-def _finished(tasks: Sequence[Task], submit: _Submit, take: _Take) -> Iterator[list[Result]]:
+def _finished(
+    tasks: Sequence[Task], submit: _Submit, take: _Take, arrivals: _Arrivals, options: RunOptions
+) -> Iterator[list[Result]]:
     """Hand tasks out and give results back in the order in which they finish, as many at a time as are there."""
-    waiting, done = iter(tasks), queue.SimpleQueue[Future[Result]]()
+    waiting = iter(tasks)
     running: dict[Future[Result], Task] = {}
     while True:
         for task in islice(waiting, WINDOW - len(running)):
             future = submit(task)
             running[future] = task
-            future.add_done_callback(done.put)
+            future.add_done_callback(arrivals.put)
         if not running:
             return
-        ended = [done.get(), *(done.get_nowait() for _ in range(done.qsize()))]
         results, lost = [], None
-        for future in ended:
+        for arrival in [arrivals.get(), *(arrivals.get_nowait() for _ in range(arrivals.qsize()))]:
+            if isinstance(arrival, tuple):
+                if options.on_progress is not None:
+                    options.on_progress(*arrival)
+                continue
             try:
-                results.append(take(running.pop(future), future.result))
+                results.append(take(running.pop(arrival), arrival.result))
             except StudyError as error:
                 lost = error
         yield results

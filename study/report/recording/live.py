@@ -11,11 +11,13 @@ import rerun.blueprint as rrb
 
 from study.errors import StudyError
 from study.experiment.cases import Case
-from study.experiment.results import Result
+from study.experiment.progress import Progress
+from study.experiment.results import Cell, Result
 from study.report.recording.contents import gather, sample_times, seconds
 from study.report.recording.layout import drawing
 from study.report.recording.pictures import bars_bounds, curves_bounds
 from study.report.recording.process import address, require_display, running_viewer
+from study.report.recording.running import RunningSearches, running_view
 from study.report.recording.signals import log_limits
 from study.report.recording.stream import APPLICATION, SIGNALS, TIMELINE, entity, method, strict, time_column
 from study.report.recording.summary import log_convergence_curves, log_standings
@@ -31,7 +33,8 @@ class LiveRecording:
     """A recording per case that grows while the study runs.
 
     Every finished run adds its velocities, accelerations and jerks at once; the table, the bars of durations and the
-    curves of convergence are drawn again every few seconds at most, and once more at the end.
+    curves of convergence are drawn again every few seconds at most, and once more at the end. Searches that are still
+    running are drawn as often as they report: their candidates, the best motion so far and its total time.
 
     Parameters
     ----------
@@ -48,6 +51,12 @@ class LiveRecording:
         self._results: dict[str, list[Result]] = {}
         self._cases: dict[str, Case] = {}
         self._drawn: dict[str, float] = {}
+        self._running: dict[str, RunningSearches] = {}
+
+    def show(self, case: Case, cell: Cell, progress: Progress) -> None:
+        """Draw where a search that is still running stands."""
+        with strict():
+            self._running.setdefault(case.name, RunningSearches(case)).show(self._stream(case), cell, progress)
 
     def add(self, case: Case, result: Result) -> None:
         """Show one more result; cheap enough to be called for every cell as it finishes.
@@ -64,6 +73,8 @@ class LiveRecording:
         results.append(result)
         with strict():
             stream = self._stream(case)
+            if case.name in self._running:
+                self._running[case.name].finish(stream, result.cell)
             if result.motion is not None:
                 self._log_run(stream, case, result)
             if clock.monotonic() - self._drawn.get(case.name, 0.0) > PAUSE:
@@ -151,6 +162,7 @@ def _layout(case: Case) -> rrb.Blueprint:
     )
     return rrb.Blueprint(
         rrb.Tabs(
+            running_view(),
             drawing("Convergence", "convergence_curves", curves_bounds(EXPECTED)),
             standings,
             rrb.Grid(*plots, name="Velocity"),

@@ -84,7 +84,7 @@ def log_curves(stream: rr.RecordingStream, where: str, lines: Sequence[Line], ef
     low[1] = np.floor(low[1])
     high = np.maximum(np.max([line.points.max(axis=0) for line in lines], axis=0), low + 1.0)
     _log_axes(stream, where, low, high, effort)
-    corners = [_stairs(_on_paper(line.points, low, high)) for line in lines]
+    corners = [stairs(_on_paper(line.points, low, high)) for line in lines]
     heights = _spread(np.array([points[-1, 1] for points in corners]))
     for line, points, height in zip(lines, corners, heights, strict=True):
         path = entity(where, method(line.name))
@@ -119,7 +119,7 @@ def _on_paper(points: Floats, low: Floats, high: Floats) -> Floats:
     return np.column_stack([share[:, 0] * PLOT[0], (1.0 - share[:, 1]) * PLOT[1]])
 
 
-def _stairs(points: Floats) -> Floats:
+def stairs(points: Floats) -> Floats:
     """Keep every value until the next one comes."""
     steps = np.repeat(points, 2, axis=0)
     return np.column_stack([steps[1:, 0], steps[:-1, 1]])

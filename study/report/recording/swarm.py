@@ -45,6 +45,11 @@ class Swarm:
         scaled = run is not None and run.cell.settings.formulation == "scaled"
         return " before they are stretched to the limits" if scaled else ""
 
+    @property
+    def n_segments(self) -> int:
+        """Number of durations of a candidate."""
+        return self.replay.populations[0][0].shape[1]
+
     def color(self, part: int) -> tuple[int, int, int]:
         """The method's colour, or the joint's where every joint is searched alone."""
         return self.one.color if len(self.replay.parts) == 1 else PALETTE[part % len(PALETTE)]
@@ -74,10 +79,10 @@ def log_swarms(stream: rr.RecordingStream, contents: Contents, swarms: Sequence[
         for panel, generation in enumerate(_spread(last, PANELS)):
             corner = np.array([APART * panel, 0.0])
             where = entity("swarm", name, f"panel {panel + 1}")
-            _log_frame(stream, where, corner, swarm, bounds)
+            log_frame(stream, where, corner, bounds, swarm.n_segments)
             log_text(stream, where + "/title", (corner[0], -24.0), f"generation {generation + 1}", WHITE)
             for part in range(len(swarm.replay.parts)):
-                points = _places(swarm, part, swarm.replay.at(part, generation), bounds, corner)
+                points = places(swarm.replay.at(part, generation), bounds, corner, (part, len(swarm.replay.parts)))
                 dots = rr.Points2D(points, colors=swarm.color(part), radii=1.6)
                 stream.log(f"{where}/{entity(str(part))}", dots, static=True)
             stream.log(where + "/best", _best(swarm, generation, bounds, corner), static=True)
@@ -86,11 +91,12 @@ def log_swarms(stream: rr.RecordingStream, contents: Contents, swarms: Sequence[
 
 def _log_moving(stream: rr.RecordingStream, swarm: Swarm, bounds: Floats, last: int) -> None:
     where, corner = entity("population", method(swarm.one.label)), np.zeros(2)
-    _log_frame(stream, where, corner, swarm, bounds)
+    log_frame(stream, where, corner, bounds, swarm.n_segments)
     frames = np.unique(np.linspace(0, last, FRAMES).round().astype(np.int64))
     index = [rr.TimeColumn(GENERATION, sequence=frames + 1)]
     for part in range(len(swarm.replay.parts)):
-        points = [_places(swarm, part, swarm.replay.at(part, int(k)), bounds, corner) for k in frames]
+        place = (part, len(swarm.replay.parts))
+        points = [places(swarm.replay.at(part, int(k)), bounds, corner, place) for k in frames]
         path = f"{where}/{entity(str(part))}"
         stream.log(path, rr.Points2D.from_fields(colors=[swarm.color(part)], radii=[1.6]), static=True)
         columns = rr.Points2D.columns(positions=np.concatenate(points)).partition([len(one) for one in points])
@@ -102,9 +108,20 @@ def _spread(last: int, count: int) -> list[int]:
     return sorted({0, last, *np.rint(np.geomspace(1, last + 1, count) - 1).astype(int).tolist()})
 
 
-def _places(swarm: Swarm, part: int, durations: Floats, bounds: Floats, corner: Floats) -> Floats:
-    """Where candidates stand: a column for every segment, the duration upwards; shape (n_candidates * n_segments, 2)."""
-    n_segments, n_parts = durations.shape[1], len(swarm.replay.parts)
+def places(durations: Floats, bounds: Floats, corner: Floats, place: tuple[int, int] = (0, 1)) -> Floats:
+    """Where candidates stand: a column for every segment, the duration upwards; shape (n_candidates * n_segments, 2).
+
+    Parameters
+    ----------
+    durations : array of shape (n_candidates, n_segments), s
+    bounds : array of shape (2,)
+        log10 of the ends of the search's box, s.
+    corner : array of shape (2,)
+        Of the frame, upper left.
+    place : pair of int
+        Which of how many joints this is, where every joint is searched alone.
+    """
+    n_segments, (part, n_parts) = durations.shape[1], place
     offset = 0.0 if n_parts == 1 else 0.6 * (part / (n_parts - 1) - 0.5)  # joints side by side in a segment's column
     x = np.broadcast_to((np.arange(n_segments) + 0.5 + offset) / n_segments, durations.shape)
     y = 1.0 - (np.log10(durations) - bounds[0]) / (bounds[1] - bounds[0])
@@ -114,15 +131,15 @@ def _places(swarm: Swarm, part: int, durations: Floats, bounds: Floats, corner: 
 def _best(swarm: Swarm, generation: int, bounds: Floats, corner: Floats) -> rr.Points2D:
     """The best candidate so far of every part, as white dots."""
     parts = range(len(swarm.replay.parts))
-    rows = [_places(swarm, k, swarm.replay.best(k, generation)[None], bounds, corner) for k in parts]
+    rows = [places(swarm.replay.best(k, generation)[None], bounds, corner, (k, len(parts))) for k in parts]
     return rr.Points2D(np.concatenate(rows), colors=WHITE, radii=2.6)
 
 
-def _log_frame(stream: rr.RecordingStream, where: str, corner: Floats, swarm: Swarm, bounds: Floats) -> None:
+def log_frame(stream: rr.RecordingStream, where: str, corner: Floats, bounds: Floats, n_segments: int) -> None:
     """Lines at the ends of the search's box and at every power of ten between, and between the segments."""
     levels = np.unique(np.round([*bounds, *np.arange(np.ceil(bounds[0]), np.floor(bounds[1]) + 1)], 9))
     heights = 1.0 - (levels - bounds[0]) / (bounds[1] - bounds[0])
-    edges = np.arange(swarm.replay.populations[0][0].shape[1] + 1) / swarm.replay.populations[0][0].shape[1]
+    edges = np.arange(n_segments + 1) / n_segments
     across = [[corner + SIZE * (0, y), corner + SIZE * (1, y)] for y in heights]
     up = [[corner + SIZE * (x, 0), corner + SIZE * (x, 1)] for x in edges]
     stream.log(f"{where}/frame", rr.LineStrips2D([*across, *up], colors=FAINT, radii=0.6), static=True)
