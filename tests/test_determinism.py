@@ -1,4 +1,6 @@
+import os
 import shutil
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -31,6 +33,52 @@ def test_a_study_has_the_same_results_with_one_worker_and_with_three(tmp_path):
     assert one == three
     assert one[0] == 11
     assert one[2] == 0
+
+
+SEARCHES = "pso,tadf-ssa,smwoa:scaled,shared,chaotic-spso:scaled,shared,de:scaled,shared,random-search:scaled,shared"
+COLUMNS = "case_name, label, seed, status, feasible, evaluations, duration, worst_ratio"
+
+
+def columns_of(path, engine, monkeypatch):
+    """Run a small study whose kernels are those of one engine; give its result columns."""
+    monkeypatch.setenv("STUDY_ENGINE", engine)
+    cases = {name: load_case(name) for name in ("woodworking", "ur5-bspline")}
+    cells = make_cells(cases.values(), parse_specs(f"{SEARCHES},certified,toppra"), Budget(2, 400))
+    with Store(path, cases) as store:
+        run_cells(cells, cases, store, jobs=1)
+        return store._connection.execute(f"SELECT {COLUMNS} FROM results ORDER BY 1, 2, 3").fetchall()
+
+
+@pytest.mark.timeout(400)
+def test_a_study_has_the_same_results_with_numpy_and_with_numba(tmp_path, monkeypatch):
+    """Kernels agree to rounding; up to 400 evaluations these searches make nothing more of it."""
+    pytest.importorskip("numba", reason="the compiled kernels are an extra")
+    plain, compiled = (columns_of(tmp_path / engine, engine, monkeypatch) for engine in ("numpy", "numba"))
+    assert [row[:6] for row in plain] == [row[:6] for row in compiled]
+    np.testing.assert_allclose([row[6:] for row in plain], [row[6:] for row in compiled], rtol=1e-12)
+    exact = [row for row in plain if row[1] in ("certified", "toppra")]
+    assert exact == [row for row in compiled if row[1] in ("certified", "toppra")]
+    assert len(exact) == 4
+    assert len(plain) == 4 + 2 * 6 * 2
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1200)
+def test_a_study_has_the_same_results_under_every_python(tmp_path):
+    """Give the other interpreters, with this package installed, in STUDY_OTHER_PYTHONS."""
+    others = list(filter(None, os.environ.get("STUDY_OTHER_PYTHONS", "").split(os.pathsep)))
+    if not others:
+        pytest.skip("STUDY_OTHER_PYTHONS names no interpreters")
+    plain = f"{SEARCHES},golds-pso,casadi-nlp,certified,any-motion-bound,toppra,ruckig-via,topp3-nlp,bspline-nlp"
+    asked = ["--cases", "woodworking,ur5-bspline", "--planners", plain, "--evaluations", "400", "--seeds", "2"]
+    digests = {}
+    for k, python in enumerate([sys.executable, *others]):
+        study = [python, "-m", "study"]
+        out = ["--out", str(tmp_path / str(k))]
+        subprocess.run([*study, "run", *asked, "--no-report", "--time-limit", "600", *out], check=True)
+        digests[python] = subprocess.run([*study, "digest", *out], check=True, capture_output=True, text=True).stdout
+    print(digests)
+    assert len(set(digests.values())) == 1
 
 
 @pytest.mark.parametrize(
