@@ -1,4 +1,4 @@
-"""Runs in lock step against the same runs one by one."""
+"""Runs as one batch against the same runs one by one."""
 
 from __future__ import annotations
 
@@ -10,16 +10,18 @@ import pytest
 from study.curves import CURVES
 from study.errors import StudyError
 from study.experiment.cases import load_case
+from study.experiment.registry import planner_named, planner_names
 from study.formulation import Penalty
+from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Meter
 from study.problem import Floats
 from study.search.batch import minimise_many
-from study.search.de import DE
+from study.search.chaotic_spso import ChaoticSPSO
+from study.search.draws import Generators
+from study.search.gold_sa import GoldSA
 from study.search.golds_pso import GoldSPSO
-from study.search.loop import Box, Search, minimise
-from study.search.pso import PSO
-from study.search.sma import SMA
-from study.search.ssa import SSA
+from study.search.loop import Box, Search, SideBySide, minimise
+from study.search.pso import PSO, Flight
 
 N_RUNS = 5
 
@@ -28,9 +30,21 @@ def generators() -> list[np.random.Generator]:
     return [np.random.default_rng(stream) for stream in np.random.SeedSequence(2).spawn(N_RUNS)]
 
 
-@pytest.mark.parametrize("search", [PSO(), GoldSPSO(), DE(), SMA(), SSA()], ids=lambda search: type(search).__name__)
-def test_equals_runs_one_by_one(search: Search[Any]) -> None:
-    problem = load_case("woodworking").problem
+SEARCHES: dict[str, Search[Any]] = {
+    name: planner.search
+    for name in planner_names()
+    if isinstance(planner := planner_named(name), SegmentTimePlanner) and name != "cma-es"
+} | {
+    "gold-sa, linked, every coordinate": GoldSA(linked=True, per_dimension=True),
+    "golds-pso without its sine": GoldSPSO(golden_sine=False),
+    "pso, reflected": PSO(flight=Flight(bounds="reflect")),
+    "chaotic-spso from everywhere": ChaoticSPSO(chaotic_start=False, asynchronous=False),
+}
+
+
+@pytest.mark.parametrize("name", SEARCHES)
+def test_equals_runs_one_by_one(name: str) -> None:
+    search, problem = SEARCHES[name], load_case("woodworking").problem
     objective = Penalty(problem, CURVES["poly353"])
     box = Box(*(np.full(3, bound) for bound in problem.duration_bounds))
     together = minimise_many(search, objective, 190, box, 20, generators())  # the last generation is cut short
@@ -40,6 +54,26 @@ def test_equals_runs_one_by_one(search: Search[Any]) -> None:
         assert alone.evaluations == batched.evaluations == 190
         np.testing.assert_array_equal(alone.history, batched.history)
         np.testing.assert_array_equal(alone.incumbents, batched.incumbents)
+
+
+def test_swarms_share_one_state() -> None:
+    """The papers' swarms, so that their thirty repetitions cost a handful of array operations for each generation."""
+    shared = {name for name, search in SEARCHES.items() if isinstance(search, SideBySide)}
+    assert shared >= {"pso", "pso-basic", "cfpso", "simple-pso", "golds-pso", "gold-sa", "chaotic-spso", "sca", "stoa"}
+    assert shared >= {"dynamic-adaptive-pso", "random-search"}
+
+
+@pytest.mark.parametrize("shape", [(4, 2), (4, 1), (3, 4, 2), (2, 4, 1)])
+def test_generators_draw_what_each_would_alone(shape: tuple[int, ...]) -> None:
+    together = Generators(tuple(generators())).random(shape)
+    apart = [rng.random(shape) for rng in generators()]
+    np.testing.assert_array_equal(together, np.stack(apart, axis=len(shape) - 2))
+
+
+def test_no_value_at_all_leaves_no_incumbent_in_a_batch() -> None:
+    meters = minimise_many(PSO(), lambda x: np.full(len(x), np.nan), 50, Box(np.zeros(2), np.ones(2)), 20, generators())
+    assert [meter.incumbent for meter in meters] == [None] * N_RUNS
+    assert np.isinf(np.concatenate([meter.history[:, 1] for meter in meters])).all()
 
 
 def test_calls_the_objective_once_for_each_generation() -> None:

@@ -18,6 +18,12 @@ from study.search.loop import Box
 Objective = Callable[[Floats], Floats]
 MEALPY = {"pso": "PSO", "de": "DE", "woa": "WOA", "sma": "SMA", "sca": "SCA", "ssa": "SSA"}
 PYMOO = {"pso": "PSO", "de": "DE"}
+NIAPY = {
+    "pso": "ParticleSwarmAlgorithm",
+    "de": "DifferentialEvolution",
+    "sca": "SineCosineAlgorithm",
+    "gsa": "GravitationalSearchAlgorithm",
+}
 
 
 def installed(package: str) -> bool:
@@ -54,6 +60,21 @@ def with_pymoo(search: str, objective: Objective, box: Box, population: int, gen
 
     algorithm = getattr(algorithms, PYMOO[search])(pop_size=population)
     optimise.minimize(Task(), algorithm, ("n_gen", generations), seed=1, verbose=False)
+
+
+def with_niapy(search: str, one: Callable[[Floats], float], box: Box, population: int, generations: int) -> None:
+    """Run NiaPy's implementation of a search, which values one candidate at a time."""
+    problems: Any = importlib.import_module("niapy.problems")
+    task: Any = importlib.import_module("niapy.task")
+    basic: Any = importlib.import_module("niapy.algorithms.basic")
+
+    class Question(problems.Problem):  # type: ignore[misc]
+        def _evaluate(self, x: Floats) -> float:
+            return one(x)
+
+    question = Question(len(box.lower), box.lower, box.upper)
+    algorithm = getattr(basic, NIAPY[search])(population_size=population, seed=1)
+    algorithm.run(task.Task(problem=question, max_evals=population * generations))
 
 
 def with_pyswarms(objective: Objective, box: Box, population: int, generations: int) -> None:

@@ -6,19 +6,23 @@ import numpy as np
 
 from study.bench import peers
 from study.bench.measuring import Call, Limit, Ratio, interleaved, missing
-from study.planners import opponents, plain, puma, smwoa, sparrow, woodworking
+from study.planners import aubo, opponents, plain, puma, smwoa, sparrow, woodworking
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Meter
 from study.problem import Floats
-from study.search.loop import Box, minimise
+from study.search.batch import minimise_many
+from study.search.loop import Box, SideBySide, minimise
 
 TOPIC = "Search overhead"
 POPULATION, DIMENSIONS = 50, 5
 GENERATIONS, FEW_GENERATIONS = 100, 8
 """Of our searches and of peers that take long."""
 
+TOGETHER = 30
+"""Runs of a batch: the repetitions of a cell in the papers."""
+
 MOST = 1e-6
-TARGETS = {"mealpy": 20.0, "pymoo": 20.0, "pyswarms": 2.0}
+TARGETS = {"mealpy": 20.0, "pymoo": 20.0, "niapy": 20.0, "pyswarms": 2.0}
 SEARCHES: dict[str, SegmentTimePlanner] = {
     "pso": plain.PSO_STANDARD,
     "de": smwoa.DE_PLANNER,
@@ -28,9 +32,12 @@ SEARCHES: dict[str, SegmentTimePlanner] = {
     "ssa": sparrow.SSA_PLANNER,
     "smwoa": smwoa.SMWOA_PLANNER,
     "gsa": smwoa.GSA_PLANNER,
+    "stoa": opponents.STOA_PLANNER,
     "golds-pso": woodworking.GOLDS_PSO,
     "gold-sa": woodworking.GOLD_SA,
     "cfpso": woodworking.CF_PSO,
+    "simple-pso": woodworking.SIMPLE_PSO,
+    "dynamic-adaptive-pso": aubo.DYNAMIC_ADAPTIVE_PSO,
     "chaotic-spso": puma.CHAOTIC_SPSO,
     "tadf-ssa": sparrow.TADF_SSA,
 }
@@ -58,26 +65,43 @@ def ours(name: str, generations: int = GENERATIONS) -> Call:
     return call
 
 
+def together(name: str) -> Call:
+    """Run one of our searches many times, as one batch."""
+    search = SEARCHES[name].search
+
+    def call() -> None:
+        rngs = [np.random.default_rng(seed) for seed in range(TOGETHER)]
+        minimise_many(search, first_column, POPULATION * GENERATIONS, BOX, POPULATION, rngs)
+
+    return call
+
+
 def search_rows(repetitions: int) -> list[Ratio | Limit]:
-    """Measure every search alone and next to the packages that have it."""
+    """Measure every search alone and next to the packages that have it, and as a batch where its runs share arrays."""
     rows: list[Ratio | Limit] = []
     with peers.quiet():
-        for name in SEARCHES:
-            calls = {"ours": ours(name)} | _peers(name)
-            counts = {key: POPULATION * _generations(key) for key in calls}
-            taken = interleaved(calls, repetitions, counts)
-            rows.append(Limit(TOPIC, name, "evaluation", taken["ours"], MOST))
-            rows += [
-                Ratio(TOPIC, name, peer, "evaluation", taken["ours"], taken[peer], TARGETS[peer])
-                for peer in TARGETS
-                if peer in taken
-            ]
+        for name, planner in SEARCHES.items():
+            calls = {name: ours(name)}
+            if isinstance(planner.search, SideBySide):
+                calls[f"{name}, {TOGETHER} runs as one batch"] = together(name)
+            rows += _rows(calls, _peers(name), repetitions)
     absent = [peer for peer in TARGETS if not peers.installed(peer)]
     return rows + [missing(TOPIC, "all searches", peer, TARGETS[peer]) for peer in absent]
 
 
-def _generations(key: str) -> int:
-    return FEW_GENERATIONS if key in ("mealpy", "pymoo") else GENERATIONS
+def _rows(calls: dict[str, Call], others: dict[str, Call], repetitions: int) -> list[Ratio | Limit]:
+    counts = dict(zip(calls, (POPULATION * GENERATIONS, TOGETHER * POPULATION * GENERATIONS), strict=False))
+    counts |= {peer: POPULATION * _generations(peer) for peer in others}
+    taken = interleaved(calls | others, repetitions, counts)
+    rows: list[Ratio | Limit] = []
+    for label in calls:
+        rows.append(Limit(TOPIC, label, "evaluation", taken[label], MOST))
+        rows += [Ratio(TOPIC, label, peer, "evaluation", taken[label], taken[peer], TARGETS[peer]) for peer in others]
+    return rows
+
+
+def _generations(peer: str) -> int:
+    return GENERATIONS if peer == "pyswarms" else FEW_GENERATIONS
 
 
 def _peers(name: str) -> dict[str, Call]:
@@ -87,6 +111,8 @@ def _peers(name: str) -> dict[str, Call]:
         calls["mealpy"] = lambda: peers.with_mealpy(name, first_number, BOX, *few)
     if name in peers.PYMOO and peers.installed("pymoo"):
         calls["pymoo"] = lambda: peers.with_pymoo(name, first_column, BOX, *few)
+    if name in peers.NIAPY and peers.installed("niapy"):
+        calls["niapy"] = lambda: peers.with_niapy(name, first_number, BOX, *few)
     if name == "pso" and peers.installed("pyswarms"):
         calls["pyswarms"] = lambda: peers.with_pyswarms(first_column, BOX, POPULATION, GENERATIONS)
     return calls

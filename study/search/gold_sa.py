@@ -79,9 +79,7 @@ class Sections:
         return Sections(a, b, x1, x2)
 
 
-def golden_angles(
-    shape: tuple[int, ...], per_dimension: bool, linked: bool, rng: Rng
-) -> tuple[Floats, Floats]:
+def golden_angles(shape: tuple[int, ...], per_dimension: bool, linked: bool, rng: Rng) -> tuple[Floats, Floats]:
     """Draw R1 in (0, 2 pi) and R2 in (0, pi) of Eq. (25), one pair per candidate or per coordinate.
 
     Parameters

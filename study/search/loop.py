@@ -77,7 +77,6 @@ class State:
         better = least < self.incumbent_value
         return np.where(better[..., None], found, self.incumbent), np.where(better, least, self.incumbent_value)
 
-
     @classmethod
     def side_by_side(cls, states: Sequence[Self]) -> Self:
         """Make one state of several runs' own."""
@@ -100,8 +99,7 @@ class SideBySide:
 def evolved(state: S, **changes: Any) -> S:
     """Copy a state with some fields changed; `dataclasses.replace` takes longer than moving fifty candidates."""
     copy = object.__new__(type(state))
-    copy.__dict__.update(state.__dict__)
-    copy.__dict__.update(changes)
+    copy.__dict__.update(state.__dict__, **changes)
     return copy
 
 

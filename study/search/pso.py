@@ -74,7 +74,7 @@ def swarm_at_rest(box: Box, positions: Floats, generations: int) -> SwarmState:
     return new_swarm(box, positions, np.zeros_like(positions), generations)
 
 
-def uniform_population(box: Box, population: int, rng: np.random.Generator) -> Floats:
+def uniform_population(box: Box, population: int, rng: Rng) -> Floats:
     """Independent uniform candidates in the box, shape (population, n_dimensions)."""
     return box.at(rng.random((population, len(box.lower))))
 
@@ -124,9 +124,7 @@ def _clamps(flight: Flight, box: Box, shape: tuple[int, ...]) -> tuple[Floats, F
     return -limit, limit.copy()
 
 
-def flown(
-    state: SwarmState, rng: Rng, weights: tuple[Scalars, Scalars, Scalars], flight: Flight
-) -> SwarmState:
+def flown(state: SwarmState, rng: Rng, weights: tuple[Scalars, Scalars, Scalars], flight: Flight) -> SwarmState:
     """Velocity and position update shared by all swarms with velocities.
 
     Parameters

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats
-from study.search.loop import Box, State, evolved
+from study.search.draws import Rng
+from study.search.loop import Box, SideBySide, State, evolved
 from study.search.pso import uniform_population
 
 
 @dataclass(frozen=True)
-class RandomSearch:
+class RandomSearch(SideBySide):
     """Draw every generation uniformly from the box and remember the best."""
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> State:
@@ -20,11 +21,11 @@ class RandomSearch:
         candidates = uniform_population(box, population, rng)
         return State(box, candidates, generations, 0, candidates[0], np.inf)
 
-    def ask(self, state: State, rng: np.random.Generator) -> State:
+    def ask(self, state: State, rng: Rng) -> State:
         """Draw the next generation."""
-        return evolved(state, candidates=uniform_population(state.box, len(state.candidates), rng))
+        return evolved(state, candidates=uniform_population(state.box, state.candidates.shape[-2], rng))
 
-    def tell(self, state: State, values: Floats, rng: np.random.Generator) -> State:
+    def tell(self, state: State, values: Floats, rng: Rng) -> State:
         """Remember the best."""
         incumbent, value = state.improved(values)
         return evolved(state, incumbent=incumbent, incumbent_value=value, generation=state.generation + 1)

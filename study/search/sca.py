@@ -43,7 +43,9 @@ class SCA(SideBySide):
         x = state.members
         r1 = self.amplitude * (1.0 - state.progress)  # eq. (3.4)
         r2, r3, r4 = rng.random((3, *x.shape[-2:]))
-        swing = np.where(r4 < 0.5, np.sin(2.0 * np.pi * r2), np.cos(2.0 * np.pi * r2))
+        angle = 2.0 * np.pi * r2
+        swing = np.cos(angle)
+        np.sin(angle, out=swing, where=r4 < 0.5)
         moved = x + r1 * swing * np.abs(2.0 * r3 * state.incumbent - x)  # eq. (3.3)
         return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
 
