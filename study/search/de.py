@@ -15,14 +15,15 @@ import numpy as np
 from study.errors import StudyError
 from study.problem import Floats
 from study.search.bounds import brought_back
-from study.search.loop import Box, evolved
+from study.search.draws import Rng, members_at
+from study.search.loop import Box, SideBySide, evolved
 from study.search.population import PopulationState, check_share, spread_population
 
 SMALLEST_POPULATION = 4
 
 
 @dataclass(frozen=True)
-class DE:
+class DE(SideBySide):
     """Mutate by the difference of two random members, cross over with the parent, keep the better.
 
     Attributes
@@ -57,25 +58,25 @@ class DE:
             )
         return spread_population(box, population, generations, rng)
 
-    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
+    def ask(self, state: PopulationState, rng: Rng) -> PopulationState:
         """Build one trial for every member."""
         x = state.members
-        n, d = x.shape
-        a, b, c = x.take(three_others(n, rng), axis=0)
+        n, d = x.shape[-2:]
+        a, b, c = members_at(x, three_others(n, rng))
         mutant = a + self.factor * (b - c)
         crossed = rng.random((n, d)) < self.crossover
-        crossed[_others(n)[0], rng.integers(d, size=n)] = True
+        crossed |= rng.integers(d, size=(n, 1)) == np.arange(d)
         return evolved(state, candidates=brought_back(self.bounds, state.box, np.where(crossed, mutant, x)))
 
-    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
+    def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
         """Keep each trial that is better than its parent."""
         return state.kept_better(values)
 
 
-def three_others(n: int, rng: np.random.Generator) -> np.ndarray:
-    """Draw for each of n members three different others, int array of shape (3, n)."""
+def three_others(n: int, rng: Rng) -> np.ndarray:
+    """Draw for each of n members three different others, int array of shape (3, n) or (3, n_runs, n)."""
     own, remaining = _others(n)
-    drawn = rng.integers(remaining)
+    drawn = rng.integers(remaining).swapaxes(0, -2)
     first, second, third = drawn
     first += first >= own  # count past those that are taken, from the lowest
     low, high = np.minimum(own, first), np.maximum(own, first)

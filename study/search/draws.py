@@ -38,6 +38,35 @@ class Generators:
             rng.random(out=one)
         return drawn.swapaxes(0, len(shape) - 2)
 
+    def integers(self, below: int | np.ndarray, size: tuple[int, ...] | None = None) -> np.ndarray:
+        """Draw whole numbers from 0, below a bound or an array of bounds; laid out as those of `random`.
+
+        Parameters
+        ----------
+        below : int or array
+        size : tuple of ints, optional
+            Of one run's numbers, at least two, as in `random`; that of the bounds if left out.
+        """
+        drawn = np.stack([rng.integers(below, size=size) for rng in self.each])
+        return drawn.swapaxes(0, drawn.ndim - 3)
+
+
+def members_at(x: Floats, rows: np.ndarray) -> Floats:
+    """Look members up by number, each run its own.
+
+    Parameters
+    ----------
+    x : array of shape (n_candidates, n_dimensions) or (n_runs, n_candidates, n_dimensions)
+    rows : int array of shape (..., n_candidates) or (..., n_runs, n_candidates)
+    """
+    return x.take(rows, axis=0) if x.ndim == 2 else x[np.arange(len(x))[:, None], rows]
+
+
+def coordinates_at(x: Floats, rows: np.ndarray) -> Floats:
+    """Look coordinates up by the number of the member, as `members_at`; `rows` has an axis of dimensions, or of length 1."""
+    columns = np.arange(x.shape[-1])
+    return x[rows, columns] if x.ndim == 2 else x[np.arange(len(x))[:, None, None], rows, columns]
+
 
 Rng = np.random.Generator | Generators
 """Where a search's random numbers come from: one run's generator, or those of runs side by side."""
