@@ -10,6 +10,8 @@ def main() -> None:
     try:
         from study.cli import main as run
     except ModuleNotFoundError as error:
+        if str(error.name).partition(".")[0] == "study":
+            raise  # a file of ours is missing: no package that could be installed
         print(
             f"study: the command needs the Python package {error.name!r}, which is not installed; install everything with: "
             "pip install time-optimal-study (from Python, study.plan and study.compare work without it)",

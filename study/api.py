@@ -103,7 +103,7 @@ class Planned:
         """Why there is no feasible motion, one sentence; empty where there is one."""
         return _reason(self.result)
 
-    def write(self, path: str | Path, rate: float = 100.0) -> Path:
+    def write(self, path: str | Path, rate: float | None = None) -> Path:
         """Write the motion in the form that the file's name asks for; see `study.io.export.write_motion`."""
         return write_motion(self.motion, self.problem, Path(path), rate)
 

@@ -91,7 +91,8 @@ def checked(model: type[Model], content: object, where: str) -> Model:
 
 def _sentence(error: ValidationError, where: str) -> str:
     first, *others = error.errors(include_url=False)
-    field = ".".join(str(part) for part in first["loc"] if part not in FORMS) or "the file"
+    field = ".".join(part for part in first["loc"] if isinstance(part, str) and part not in FORMS) or "the file"
+    places = " of ".join(f"item {part + 1}" for part in reversed(first["loc"]) if isinstance(part, int))
     more = f" (and {len(others)} more)" if others else ""
     if first["type"] == "extra_forbidden":
         return f"{where}: unknown key {field!r}; remove it or correct its spelling{more}"
@@ -99,7 +100,9 @@ def _sentence(error: ValidationError, where: str) -> str:
         return f"{where}: field {field!r} is missing; add it{more}"
     message = first["msg"].removeprefix("Value error, ")
     came = "" if first["type"] == "value_error" else f", got {str(first['input'])[:60]!r}"
-    return f"{where}: field {field!r}: {message[:1].lower()}{message[1:]}{came}{more}"
+    came = ", got nothing" if first["input"] is None else came
+    field = repr(field) + (f", {places}" if places else "")
+    return f"{where}: field {field}: {message[:1].lower()}{message[1:]}{came}{more}"
 
 
 def make_file(path: Path, text: str, overwrite: bool = True) -> None:

@@ -16,3 +16,8 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> StudyError:
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.4)
     hint = f"; did you mean {near[0]!r}?" if near else ";"
     return StudyError(f"no {kind} {name!r}{hint} known: {', '.join(names) or 'none'}")
+
+
+def plural(number: int, noun: str) -> str:
+    """Number and noun, with an s where needed."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import groupby
 
@@ -110,6 +111,12 @@ def _share(row: Row) -> str:
     return f"{row.feasible_runs} of {row.runs}"
 
 
+def times_text(times: Iterable[float], duration: float) -> str:
+    """Times with four decimals, or more where the whole motion takes less than a second."""
+    places = 4 + max(0, -math.floor(math.log10(duration))) if duration > 0 else 4
+    return ", ".join(f"{t:.{places}f}" for t in times)
+
+
 def verdict_table(problem: Problem, verdict: Verdict) -> Table:
     """Table of what the judge found, joint by joint."""
     table = Table(header_style="bold")
@@ -124,7 +131,7 @@ def verdict_table(problem: Problem, verdict: Verdict) -> Table:
         for order, limits in enumerate(problem.limits.rates):
             rates += [
                 f"{verdict.ratios[order, j]:.6f}" if np.isfinite(limits[j]) else "no limit",
-                f"{verdict.times[order, j]:.4f}",
+                times_text([verdict.times[order, j]], verdict.duration),
             ]
         table.add_row(joint, *rates, f"{verdict.waypoint_error[j]:.2e}", f"{verdict.overshoot[j]:.2e}")
     return table

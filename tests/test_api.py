@@ -152,6 +152,13 @@ def test_the_command_says_what_it_lacks():
     assert ended.stderr.count("\n") == 1
 
 
+def test_a_missing_file_of_ours_is_not_taken_for_a_package():
+    code = "import sys; sys.modules['study.terminal'] = None\nfrom study.__main__ import main; main()"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert ended.returncode == 1
+    assert "ModuleNotFoundError" in ended.stderr
+
+
 @pytest.fixture
 def small(tmp_path):
     path = tmp_path / "small.yaml"
@@ -214,6 +221,9 @@ def test_waypoints_alone_with_limits_from_a_robots_files(study_command, tmp_path
     ended = study_command("plan", *arguments, "--save", "out.json", cwd=tmp_path)
     assert ended.returncode == 0, ended.stderr
     assert json.loads((tmp_path / "out.json").read_text())["joint_names"] == ["panda_joint1", "joint <2>"]
+    checked = study_command("check", *arguments, cwd=tmp_path)
+    assert checked.returncode == 0, checked.stderr
+    assert "the case is complete" in checked.stdout
     compared = study_command("compare", *arguments, "--planners", "ruckig-stops", "--no-report", cwd=tmp_path)
     assert compared.returncode == 0, compared.stderr
     assert study_command("report", cwd=tmp_path).returncode == 0

@@ -270,13 +270,13 @@ def test_limits_of_a_variant_replace_one_kind_and_can_be_taken_away(content: dic
 BREAKS = {
     "unknown key": (lambda c: c.update(wayponts=1), "unknown key 'wayponts'"),
     "missing key": (lambda c: c.pop("limits"), "'limits' is missing"),
-    "NaN": (lambda c: c["waypoints"]["values"][1].__setitem__(2, float("nan")), "waypoints.values.1.2"),
-    "text": (lambda c: c["waypoints"]["values"][1].__setitem__(2, "x"), "waypoints.values.1.2"),
+    "NaN": (lambda c: c["waypoints"]["values"][1].__setitem__(2, float("nan")), "waypoints.values', item 3 of item 2"),
+    "text": (lambda c: c["waypoints"]["values"][1].__setitem__(2, "x"), "waypoints.values', item 3 of item 2"),
     "wrong shape": (lambda c: c["waypoints"]["values"][1].pop(), "waypoints.values: row 2 .* 4 joints, got 3"),
     "one waypoint": (lambda c: c["waypoints"].update(values=c["waypoints"]["values"][:1]), "n_waypoints >= 2"),
-    "zero limit": (lambda c: c["limits"]["velocity"]["values"].__setitem__(1, 0.0), "limits.velocity.values.1"),
+    "zero limit": (lambda c: c["limits"]["velocity"]["values"].__setitem__(1, 0.0), "limits.velocity.values', item 2"),
     "short limit": (lambda c: c["limits"]["velocity"]["values"].pop(), "limits.velocity.values"),
-    "unit": (lambda c: c.update(units=["m", "m", "rad", "turn"]), "units.3"),
+    "unit": (lambda c: c.update(units=["m", "m", "rad", "turn"]), "units', item 4"),
     "equal neighbours": (
         lambda c: c["waypoints"]["values"].__setitem__(1, c["waypoints"]["values"][0]),
         "waypoints 1 and 2 are equal",

@@ -9,7 +9,7 @@ from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.curves import curve_named
 from study.experiment.sampled import read_motion
 from study.io.exact import read_exact
-from study.io.export import sample_times, write_motion
+from study.io.export import sample_times, usual_rate, write_motion
 from study.io.rows import read_rows
 
 NAMES = ('elbow "left", 1', "<wrist>")
@@ -108,6 +108,14 @@ def test_samples_increase_and_end_with_the_end_point(duration, rate):
     assert times[-1] == duration
     assert (np.diff(times) > 0).all()
     assert np.diff(times).max() <= (1 + 1e-9) / rate
+
+
+@pytest.mark.parametrize(
+    ("duration", "rate"),
+    [(2.9, 100), (1000, 100), (1001, 10), (4e4, 1), (3e9, 1e-5), (0.05, 1e3), (4e-6, 1e7), (1e-12, 1e9)],
+)
+def test_without_a_wish_there_are_neither_two_samples_nor_a_million(duration, rate):
+    assert usual_rate(duration) == pytest.approx(rate)
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -10,8 +11,9 @@ from rich.console import Console
 
 from study import terminal
 from study.api import automatic
+from study.commands.inputs import FORMS, LimitFiles, is_bare, load_any
 from study.commands.runs import INFEASIBLE, make_console
-from study.errors import StudyError
+from study.errors import StudyError, plural
 from study.experiment.cases import Case, load_case
 from study.experiment.obstacles import nearest
 from study.experiment.sampled import passages, read_motion
@@ -24,33 +26,39 @@ def check(
         Path,
         typer.Argument(
             metavar="FILE",
-            help="A case of your own (YAML or JSON); or, with --case, a trajectory: CSV with time, then positions of all "
-            "joints, optionally velocities, then accelerations; or an .exact.json file.",
+            help="A case of your own (YAML or JSON); or, with --limits, waypoints alone; or, with --case, a trajectory: CSV "
+            "with time, then positions of all joints, optionally velocities, then accelerations; or an .exact.json file.",
         ),
     ],
     case: Annotated[
         str | None, typer.Option("--case", help="Name or file of the case that a trajectory solves.")
     ] = None,
-    units: Annotated[str, typer.Option(help="Of angles in a trajectory's CSV: rad or deg.")] = "rad",
+    units: Annotated[
+        str | None, typer.Option(help="Of angles in a trajectory's CSV: rad or deg; of waypoints alone: also m or mm.")
+    ] = None,
+    limits: LimitFiles = None,
 ) -> None:
     """Check a case and say what was understood; or judge a trajectory: 0 if it is feasible, 3 if it is not."""
     console = make_console()
     if case is None:
-        _explain(_case(file), console)
+        _explain(_case(file, units, limits or []), console)
         return
+    if limits:
+        raise StudyError("--limits goes with a file of waypoints alone; the case that --case names has its own limits")
     known = load_case(case)
-    motion, method = _motion(file, known, units)
+    motion, method = _motion(file, known, units or "rad")
     if not report_verdict(known, motion, method, console):
         raise typer.Exit(INFEASIBLE)
     console.print("feasible")
 
 
-def _case(file: Path) -> Case:
-    if file.suffix.lower() not in (".yaml", ".yml", ".json"):
+def _case(file: Path, units: str | None, limits: Sequence[Path]) -> Case:
+    if not limits and (file.suffix.lower() not in FORMS or is_bare(file)):
         raise StudyError(
-            f"file {str(file)!r} is no case (YAML or JSON); to judge a trajectory, name the case that it solves with --case"
+            f"file {str(file)!r} is no case (YAML or JSON); if it holds waypoints alone, add --limits, and if it holds a "
+            "trajectory, name the case that it solves with --case"
         )
-    return load_case(file if len(file.parts) > 1 else f"./{file}")
+    return load_any(file, units, limits)
 
 
 def _motion(file: Path, case: Case, units: str) -> tuple[Motion, str]:
@@ -72,10 +80,11 @@ def report_verdict(case: Case, motion: Motion, method: str, console: Console) ->
     verdict = judge(case.problem, motion)
     if method:
         console.print(f"read as {method}", soft_wrap=True)
-    times = ", ".join(f"{t:.4f}" for t in motion.waypoint_times)
-    console.print(f"waypoints passed at {times} s", soft_wrap=True)
+    console.print(
+        f"waypoints passed at {terminal.times_text(motion.waypoint_times, motion.duration)} s", soft_wrap=True
+    )
     console.print(terminal.verdict_table(case.problem, verdict))
-    console.print(f"duration {verdict.duration:.6f} s, largest share of a limit {verdict.worst_ratio:.6f}")
+    console.print(f"duration {verdict.duration:.9g} s, largest share of a limit {verdict.worst_ratio:.6f}")
     for reason in verdict.reasons:
         console.print(f"infeasible: {reason}", soft_wrap=True)
     found = nearest(case, motion)
@@ -90,7 +99,8 @@ def _explain(case: Case, console: Console) -> None:
         console.print(table)
     problem = case.problem
     console.print(
-        f"{problem.n_joints} joints, {problem.n_waypoints} waypoints; the motion {problem.end.value}", soft_wrap=True
+        f"{plural(problem.n_joints, 'joint')}, {problem.n_waypoints} waypoints; the motion {problem.end.value}",
+        soft_wrap=True,
     )
     for k, (name, choice) in enumerate(automatic(problem)):
         console.print(f"{'planner auto takes' if k == 0 else 'or else'} {name}: {choice}", soft_wrap=True)

@@ -15,6 +15,7 @@ from study.api import COMPARED, Planned
 from study.api import plan as plan_motion
 from study.commands.checking import report_verdict
 from study.commands.example import EXAMPLE
+from study.commands.inputs import LimitFiles, is_bare, load_any
 from study.commands.runs import (
     DEFAULT_OUT,
     INFEASIBLE,
@@ -27,8 +28,7 @@ from study.commands.runs import (
     show,
 )
 from study.datafiles import make_file
-from study.errors import StudyError
-from study.experiment.cases import Case, case_names, load_case, own_case
+from study.experiment.cases import Case, case_names, load_case
 from study.experiment.environment import environment
 from study.experiment.lineup import Budget, make_cells, parse_specs
 from study.experiment.obstacles import nearest
@@ -38,21 +38,20 @@ from study.experiment.results import Result
 from study.experiment.store import Store, remembered_lineup
 from study.io.export import form_of, write_motion
 from study.io.filenames import file_stem
-from study.io.joint_trajectory import found_message
-from study.io.rows import parsed
 
 FORMS = (".yaml", ".csv", ".npz", ".exact.json")
-TABLES = (".csv", ".tsv", ".txt")
 
 File = Annotated[
     Path, typer.Argument(metavar="FILE", help="A case (YAML or JSON), or waypoints alone: CSV or a JointTrajectory.")
 ]
-LimitFiles = Annotated[
-    list[Path] | None,
-    typer.Option("--limits", help="For waypoints alone: MoveIt joint_limits.yaml or URDF; may be given twice."),
-]
 Units = Annotated[str | None, typer.Option(help="For waypoints alone: rad, deg, m or mm.")]
-Rate = Annotated[float, typer.Option(help="Samples per second in the files written; the end point is always there.")]
+Rate = Annotated[
+    float | None,
+    typer.Option(
+        help="Samples per second in the files written; the end point is always there. [default: 100, or what gives 10 to "
+        "100,000 samples]"
+    ),
+]
 
 
 def init(
@@ -71,7 +70,7 @@ def plan(
         typer.Option(help="Files to write, .csv, .yaml, .json, .npz or .exact.json; all kinds below --out by default."),
     ] = None,
     out: Out = DEFAULT_OUT,
-    rate: Rate = 100.0,
+    rate: Rate = None,
     seed: Annotated[int, typer.Option(help="For searches.")] = 0,
     evaluations: Annotated[int, typer.Option(help="For searches.")] = 2000,
     time_limit: Annotated[float, typer.Option(help="Seconds for each planner.")] = 60.0,
@@ -109,7 +108,9 @@ def _no_motion(case: Case) -> int:
     return INFEASIBLE
 
 
-def _save(case: Case, planned: Planned, save: Sequence[Path] | None, out: Path, rate: float, console: Console) -> None:
+def _save(
+    case: Case, planned: Planned, save: Sequence[Path] | None, out: Path, rate: float | None, console: Console
+) -> None:
     for path in save or [trajectory_file(out, case, form) for form in FORMS]:
         console.print(
             f"trajectory: {write_motion(planned.motion, case.problem, path, rate)}", soft_wrap=True, markup=False
@@ -138,7 +139,7 @@ def compare(
     time_limit: Annotated[float, typer.Option(help="Seconds after which a planner is interrupted.")] = 20.0,
     jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
     out: Out = DEFAULT_OUT,
-    rate: Rate = 100.0,
+    rate: Rate = None,
     report: Annotated[bool, typer.Option(help="Write the report and the recording.")] = True,
     limits: LimitFiles = None,
     units: Units = None,
@@ -160,7 +161,7 @@ def compare(
         return
     seeds = 3 if seeds is None else seeds
     case, console = load_any(file, units, limits or []), make_console()
-    source = str(file.resolve()) if not _is_bare(file) else _kept_case(case, file, units, limits or [], out)
+    source = str(file.resolve()) if not is_bare(file) else _kept_case(case, file, units, limits or [], out)
     cells = make_cells([case], _compared(planners), Budget(seeds, evaluations, time_limit))
     with Store(out / STORE_NAME, {case.name: case}) as store:
         store.remember_lineup(cells, {case.name: source})
@@ -225,26 +226,6 @@ def _best(case: Case, results: Sequence[Result], console: Console) -> Result | N
             return result
         console.print(f"{result.cell.label}: {found.sentence}", soft_wrap=True)
     return None
-
-
-def load_any(file: Path, units: str | None = None, limits: Sequence[Path] = ()) -> Case:
-    """Load a case, or waypoints alone with limits from other files; a name of the study's own cases will do too."""
-    if _is_bare(file):
-        return own_case(bare_content(file, units, limits), file)
-    if limits or units:
-        raise StudyError(
-            f"--limits and --units go with a file of waypoints alone; {str(file)!r} is a case, which says both itself"
-        )
-    return load_case(file if file.suffix else str(file))
-
-
-def _is_bare(file: Path) -> bool:
-    if file.suffix.lower() in TABLES:
-        return True
-    if file.suffix.lower() not in (".yaml", ".yml", ".json") or not file.exists():
-        return False
-    content = parsed(file)
-    return isinstance(content, list) or found_message(content) is not None
 
 
 def _kept_case(case: Case, file: Path, units: str | None, limits: Sequence[Path], out: Path) -> str:

@@ -56,12 +56,12 @@ def load_case(name_or_path: str | Path) -> Case:
         If there is no such case or file, or a field of the file is missing, unknown or impossible.
     """
     path = Path(name_or_path)
-    if path.suffix in (".yaml", ".yml", ".json") or len(path.parts) > 1:
+    if path.suffix.lower() in (".yaml", ".yml", ".json") or len(path.parts) > 1:
         content = parsed(path)
         if not isinstance(content, dict):
+            came = "nothing" if content is None else "a list" if isinstance(content, list) else repr(content)[:60]
             raise StudyError(
-                f"file {str(path)!r} must hold named fields (a YAML mapping), got {type(content).__name__}; "
-                "see `study init` for an example"
+                f"file {str(path)!r} must hold named fields (a YAML mapping), got {came}; see `study init` for an example"
             )
         return next(iter(_cases_of(content, path).values())) if PAPERS_OWN & content.keys() else own_case(content, path)
     cases = _library()

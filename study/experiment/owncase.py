@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from study.datafiles import checked
-from study.errors import StudyError
+from study.errors import StudyError, plural
 from study.experiment.casefile import SI
 from study.experiment.execution import usual_curve
 from study.experiment.ownfile import OwnCase, OwnLimits
@@ -75,6 +75,8 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
     read = _merged([read_limits(path.parent / name) for name in limit_files])
     names = _names(file, rows, read, where)
     table = _columns(rows, names, where) if rows else np.array(_rectangle(file.waypoints, where), dtype=float)
+    if len(table) == 1:
+        raise StudyError(f"{where}: there is only one waypoint; a motion needs at least two")
     units = _units(file, rows, read, names, table.shape[1], where)
     factors = np.array([SI[unit][1] for unit in units])
     problem = Problem(
@@ -94,7 +96,7 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
         problem=problem,
         units=tuple(SI[unit][0] for unit in units),
         curve=file.curve or usual_curve(problem),
-        title=file.title or f"{problem.n_joints} joints through {problem.n_waypoints} waypoints",
+        title=file.title or f"{plural(problem.n_joints, 'joint')} through {problem.n_waypoints} waypoints",
         robot=robot,
         obstacles=np.array([[box.lower, box.upper] for box in file.obstacles], dtype=float).reshape(-1, 2, 3),
         arm_radius=file.arm_radius,
@@ -129,7 +131,7 @@ def _rectangle(rows: Any, where: str) -> list[list[float]]:
     width = len(rows[0]) if rows else 0
     for number, row in enumerate(rows, start=1):
         if len(row) != width:
-            raise StudyError(f"{where}: waypoint {number} has {len(row)} numbers, the first has {width}")
+            raise StudyError(f"{where}: waypoint {number} has {plural(len(row), 'number')}, the first has {width}")
     if not width:
         raise StudyError(f"{where}: there are no waypoints; give at least two, one row for each")
     return list(rows)
@@ -145,7 +147,9 @@ def _names(file: OwnCase, rows: WaypointRows | None, read: Mapping[str, OneJoint
             "names; list the columns' names under 'joints'"
         )
     if names and not (rows and rows.names) and len(names) != width:
-        raise StudyError(f"{where}: {len(names)} joint names for {width} columns of waypoints; name every column")
+        raise StudyError(
+            f"{where}: {plural(len(names), 'joint name')} for {plural(width, 'column')} of waypoints; name every column"
+        )
     if len(set(names)) != len(names):
         raise StudyError(f"{where}: two joints have the same name: {', '.join(names)}; rename one")
     absent = [name for name in names if name not in read] if read else []
@@ -176,7 +180,9 @@ def _units(
         return ["m" if name in read and read[name].sliding else "rad" for name in names]
     units = [file.units] * width if isinstance(file.units, str) else file.units
     if len(units) != width:
-        raise StudyError(f"{where}: {len(units)} units for {width} joints; give one for all or one for each")
+        raise StudyError(
+            f"{where}: {plural(len(units), 'unit')} for {plural(width, 'joint')}; give one for all or one for each"
+        )
     for name, unit in zip(names, units, strict=False):
         sliding = read[name].sliding if name in read else None
         if sliding is not None and sliding != (SI[unit][0] == "m"):
@@ -201,7 +207,7 @@ def _laid_over(given: Any, name: str, read: Sequence[OneJoint], factors: Floats,
     values = given if isinstance(given, list) else [given] * len(read)
     if len(values) != len(read):
         raise StudyError(
-            f"{where}: {len(values)} {name} limits for {len(read)} joints; give one for all or one for each"
+            f"{where}: {plural(len(values), f'{name} limit')} for {plural(len(read), 'joint')}; give one for all or one for each"
         )
     said = [getattr(joint, name) for joint in read]
     chosen = zip(values, said, factors, strict=True)

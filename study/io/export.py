@@ -16,8 +16,26 @@ from study.parametric import ParametricTrajectory
 from study.problem import Floats, Problem
 from study.trajectory import Motion
 
+FEW_SAMPLES, MANY_SAMPLES = 10, 100_000
+MOST_POWER = 9
+"""Of ten, for samples per second: a ROS message counts nanoseconds."""
 MOST_SAMPLES = 10_000_000
 """More samples than this are taken for a mistake in the rate."""
+
+
+def usual_rate(duration: float) -> float:
+    """Samples per second where nobody chose: 100, or the nearest power of ten that gives 10 to 100,000 samples.
+
+    Parameters
+    ----------
+    duration : float, s
+    """
+    power = 2
+    while duration * 10.0**power > MANY_SAMPLES:
+        power -= 1
+    while duration * 10.0**power < FEW_SAMPLES and power < MOST_POWER:
+        power += 1
+    return 10.0**power
 
 
 def sample_times(duration: float, rate: float) -> Floats:
@@ -47,7 +65,7 @@ def sample_times(duration: float, rate: float) -> Floats:
     return np.append(inner[inner < duration * (1 - 1e-12)], duration)
 
 
-def write_motion(motion: Motion, problem: Problem, path: Path, rate: float = 100.0) -> Path:
+def write_motion(motion: Motion, problem: Problem, path: Path, rate: float | None = None) -> Path:
     """Write a motion in the form that the file's name asks for.
 
     Parameters
@@ -59,8 +77,8 @@ def write_motion(motion: Motion, problem: Problem, path: Path, rate: float = 100
         `.csv`: samples of time, positions, velocities and accelerations; `.yaml` and `.json`: a ROS 2
         `trajectory_msgs/JointTrajectory`; `.npz`: samples and exact coefficients as arrays; `.exact.json`: the piecewise
         polynomials, which `study.io.exact.read_exact` gives back to the last bit.
-    rate : float, Hz
-        Of the samples; the end point is always there.
+    rate : float, Hz, optional
+        Of the samples, `usual_rate` by default; the end point is always there.
 
     Returns
     -------
@@ -71,7 +89,7 @@ def write_motion(motion: Motion, problem: Problem, path: Path, rate: float = 100
     StudyError
         If the ending is another, the rate is impossible or the file cannot be written.
     """
-    content = WRITERS[form_of(path)](motion, problem, rate)
+    content = WRITERS[form_of(path)](motion, problem, usual_rate(motion.duration) if rate is None else rate)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)

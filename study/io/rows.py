@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from study.errors import StudyError
+from study.errors import StudyError, plural
 from study.io.text import read_text
 from study.problem import Floats
 
@@ -108,7 +108,9 @@ def table(rows: Sequence[Any], where: str) -> Floats:
         if not isinstance(row, list) or not row:
             raise StudyError(f"{where}: waypoint {number} must be a list of numbers, got {str(row)[:60]!r}")
         if len(row) != len(rows[0]):
-            raise StudyError(f"{where}: waypoint {number} has {len(row)} numbers, the first has {len(rows[0])}")
+            raise StudyError(
+                f"{where}: waypoint {number} has {plural(len(row), 'number')}, the first has {len(rows[0])}"
+            )
     return np.array([[_number(value, f"{where}: waypoint {i}") for value in row] for i, row in enumerate(rows, 1)])
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from study.errors import plural as plural
+
 DASH = "–"
 
 
@@ -61,8 +63,3 @@ def count(value: float | None) -> str:
 def listed(words: Sequence[str]) -> str:
     """Join words as in a sentence."""
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}" if words else ""
-
-
-def plural(number: int, noun: str) -> str:
-    """Number and noun, with an s where needed."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
