@@ -103,6 +103,7 @@ def test_any_executor_interrupts_hanging_cells_and_survives_crashing_ones(run):
         "the worker process was ended by SIGSEGV during this cell",
     ]
     assert run("here", "stub-hang,stub-crash,stub-seeded", 1, 0.1, jobs=1)[1] == there
+    print(f"\ncells that hung: 1, that crashed: 1, on two engines; cells lost: {3 - len(results)}")
 
 
 @pytest.mark.skipif(not MEMORY, reason="memory is limited on Linux only")

@@ -41,7 +41,7 @@ HOSTILE = {
     "huge": problem("huge", 1e12 * walk(4, 2), 1e-3, 1e-6, 1e-9),
     "long": problem("long", walk(150, 7), 1.0, 2.0, 30.0),
 }
-PLANNERS = "casadi-nlp,ruckig-stops,ruckig-via,toppra,topp3-nlp,free-path-nlp"
+PLANNERS = "casadi-nlp,ruckig-stops,ruckig-via,toppra,topp3-nlp,free-path-nlp,quintic-nlp,bspline-nlp,certified"
 FAST = ("ratios",)
 
 
