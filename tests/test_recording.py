@@ -21,8 +21,8 @@ from study.formulation import stretch
 from study.judge import judge
 from study.planning import RunSettings, Status
 from study.problem import Floats, JointLimits, Problem
-from study.report.recording import APPLICATION, case_recording, record_case
-from study.report.recording.contents import NANOSECOND, gather, method_colors, sample_times
+from study.report.recording import APPLICATION, case_recording, record_case, scene
+from study.report.recording.contents import ALIKE, NANOSECOND, gather, method_colors, sample_times
 from study.report.recording.process import private_environment
 from study.report.recording.stream import entity, method
 from study.report.recording.summary import markdown, plain
@@ -215,7 +215,7 @@ def test_waypoints_are_labelled_points_on_the_tool_path(recorded: Path, woodwork
     frames = robot_named(str(woodworking.robot)).frames(woodworking.robot_configuration(woodworking.problem.waypoints))
     np.testing.assert_allclose(places, frames[:, -1, :3, 3], atol=1e-6)
     (labels,) = chunks(recorded, entity("arms", "steps", "waypoints"), "Points3D:labels")
-    assert labels.column("Points3D:labels").to_pylist()[0] == ["1", "2", "3", "4"]
+    assert labels.column("Points3D:labels").to_pylist()[0] == ["1", "2, 4", "3", ""]  # the end is where the second is
 
 
 def test_convergence_is_the_history_without_what_is_infinite(recorded: Path, woodworking: Case) -> None:
@@ -340,6 +340,37 @@ def test_colours_are_distinct_and_do_not_depend_on_the_company() -> None:
     assert len(set(colors.values())) == 20
     assert method_colors(labels[::-1]) == colors
     assert method_colors(["m3"])["m3"] == method_colors(["m3", "m4"], first=["m3"])["m3"]
+    first = labels[:7]
+    lines = np.array([method_colors(labels, first)[label] for label in first])
+    apart = np.linalg.norm(lines[:, None].astype(float) - lines, axis=2)[np.triu_indices(7, 1)]
+    assert (apart > ALIKE).all()
+
+
+@pytest.mark.parametrize("name", ["woodworking", "ur5-bspline", "puma560"])
+def test_every_arm_of_the_first_look_is_within_the_view_and_fills_it(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = load_case(name)
+    scenes: list[tuple[Any, Floats]] = []
+    looking = scene._looking
+    monkeypatch.setattr(
+        scene, "_looking", lambda points, tool: scenes.append((looking(points, tool), points)) or scenes[-1][0]
+    )
+    record_case(case, some_results(case), tmp_path / "a.rrd", samples=20)
+    ((eye, target), points) = scenes[0]
+    back = (eye - target) / np.linalg.norm(eye - target)
+    right = np.cross([0.0, 0.0, 1.0], back)
+    right /= np.linalg.norm(right)
+    depth = (eye - points) @ back
+    shares = np.abs(np.stack([(points - eye) @ right, (points - eye) @ np.cross(back, right)])) / depth
+    used = shares.max(axis=1) / scene.VIEW
+    assert depth.min() > 0
+    assert used.max() == pytest.approx(1.0)
+
+
+def test_waypoints_that_lie_together_share_a_label() -> None:
+    places = np.array([[0.0, 0, 0], [1, 0, 0], [0, 0.01, 0], [1, 0.5, 0]])
+    assert scene._labels(places, 0.1) == ["1, 3", "2", "", "4"]
 
 
 def test_markdown_is_made_harmless() -> None:

@@ -21,6 +21,7 @@ from study.experiment.cases import case_names, load_case
 from study.experiment.execution import Task, execute
 from study.experiment.lineup import Budget, Spec, make_cells
 from study.report.recording import live_recording, process, record_case, screenshot, view, viewer
+from study.report.recording.contents import NANOSECOND, gather
 from tests.test_recording import some_results
 
 DRIVERS = ("/usr/share/vulkan/icd.d/*.json", "/usr/local/share/vulkan/icd.d/*.json", "/etc/vulkan/icd.d/*.json")
@@ -29,7 +30,7 @@ can_draw = pytest.mark.skipif(
     reason="no Vulkan driver here; Debian and Ubuntu have a software one in the package mesa-vulkan-drivers",
 )
 TABS = ("Overview", "Position", "Velocity", "Acceleration", "Jerk", "Limits in use", "Convergence", "Durations")
-SEARCHED = ("Overview", "Convergence over wall time", "Search population")
+SEARCHED = ("Overview", "Convergence over wall time", "Search population", "Search population in motion")
 
 
 @pytest.fixture(scope="module")
@@ -75,12 +76,30 @@ def test_the_first_look_and_the_searches_of_every_case(name: str, tmp_path: Path
     with viewer.headless(path) as client:
         for tab in SEARCHED:
             viewer.show_tab(client, tab)
+            client.set_time("t", duration=0.3, play_state="paused")
             picture = pixels(viewer.settled_picture(client))
             assert viewer.complaints(client) == [], tab
             coloured = np.ptp(picture.astype(int), axis=2) > 60
             assert coloured.mean() > 5e-4, tab
         said = [entry.message for entry in client.get_logs() if entry.level in ("ERROR", "WARN")]
         assert [text for text in said if not text.startswith("Software rasterizer")] == []
+
+
+@can_draw
+@pytest.mark.timeout(120)
+def test_a_recording_opens_with_the_arms_in_motion(recording: Path) -> None:
+    case = load_case("woodworking")
+    run_time = gather(case, some_results(case), 250).run_time
+    with viewer.headless(recording) as client:
+        seen: list[float] = []
+        deadline = time.monotonic() + 60
+        while len(seen) < 8 and time.monotonic() < deadline:
+            client.take_screenshot()  # time goes on as the viewer paints
+            (shown,) = client.get_state().recordings
+            seen.append((shown.current_time or 0) * NANOSECOND)
+        assert shown.current_timeline == "t"
+        assert len(set(seen)) > 3  # it moves
+        assert max(seen) <= run_time + 0.1 < max(line.end or 0 for line in shown.timelines) * NANOSECOND + 0.2
 
 
 @can_draw

@@ -52,11 +52,11 @@ def record_case(case: Case, results: Sequence[Result], path: Path, samples: int 
     swarms = swarms_of(contents)
     with recording_file(path, case.name) as stream:
         log_metadata(stream, contents)
-        log_summary(stream, contents)
+        scene = log_scene(stream, contents)
+        log_summary(stream, contents, None if scene is None else scene.fastest)
         log_signals(stream, contents)
         log_activity(stream, contents)
         log_convergence(stream, contents)
         log_swarms(stream, contents, swarms)
-        scene = log_scene(stream, contents)
         stream.send_blueprint(layout(contents, scene, swarm_views(swarms)))
     return path

@@ -55,6 +55,9 @@ PALETTE = (
 )
 """Colours that keep apart on the viewer's dark ground."""
 
+ALIKE = 95.0
+"""Colours closer than this in red, green and blue look alike in thin lines."""
+
 
 @dataclass(frozen=True, eq=False)
 class Shown:
@@ -97,8 +100,8 @@ class Shown:
 
     @property
     def title(self) -> str:
-        """Name, time and, if it is so, that the motion is infeasible."""
-        return f"{self.label}  {self.motion.duration:.3f} s{'' if self.feasible else '  infeasible'}"
+        """Time, whether the motion is infeasible, and the name, which may be long and is cut off where room is short."""
+        return f"{self.motion.duration:.3f} s{'' if self.feasible else ' infeasible'}  {self.label}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,6 +134,11 @@ class Contents:
     def longest(self) -> float:
         """Longest duration of any motion, s."""
         return max((one.motion.duration for one in self.shown), default=1.0)
+
+    @property
+    def run_time(self) -> float:
+        """How long the first look's motions run, s."""
+        return max((one.motion.duration for one in self.compared), default=1.0)
 
     @property
     def first_look(self) -> tuple[Shown, ...]:
@@ -173,7 +181,8 @@ def gather(case: Case, results: Sequence[Result], samples: int) -> Contents:
     chosen = featured(entries)
     printed = sorted(_moving(entries, published=True), key=lambda pair: pair[1].duration)[:1]
     moving = [pair for pair in _moving(entries) if pair[0].row.kind != "published" or pair in printed]
-    colors = method_colors([entry.label for entry, _ in moving], [entry.label for _, _, entry in chosen.present()])
+    first = [*(entry.label for _, _, entry in chosen.present()), case.planner, *(entry.label for entry, _ in printed)]
+    colors = method_colors([entry.label for entry, _ in moving], first)
     shown = tuple(Shown(entry, motion, colors[entry.label], case.problem.limits) for entry, motion in moving)
     on_curve = [entry.row.best for entry in entries if entry.row.best is not None and entry.path == CURVE]
     return Contents(case, entries, chosen, shown, min(on_curve, default=np.inf), samples)
@@ -192,17 +201,24 @@ def method_colors(labels: Sequence[str], first: Sequence[str] = ()) -> dict[str,
     ----------
     labels : sequence of str
     first : sequence of str
-        Methods that are served first, so that no two of them share a colour.
+        Methods that are served first, so that no two of them share a colour or have colours that look alike.
     """
     free: list[int] = []
     colors: dict[str, tuple[int, int, int]] = {}
     for label in sorted(labels, key=lambda label: (label not in first, label)):
         free = free or list(range(len(PALETTE)))
+        apart = [
+            k for k in free if label not in first or all(_distance(PALETTE[k], c) > ALIKE for c in colors.values())
+        ]
         wanted = int.from_bytes(hashlib.sha256(label.encode()).digest()[:4], "big") % len(PALETTE)
-        slot = min(free, key=lambda k: (k - wanted) % len(PALETTE))
+        slot = min(apart or free, key=lambda k: (k - wanted) % len(PALETTE))
         colors[label] = PALETTE[slot]
         free.remove(slot)
     return colors
+
+
+def _distance(one: Sequence[int], other: Sequence[int]) -> float:
+    return float(np.linalg.norm(np.subtract(one, other)))
 
 
 def sample_times(motion: Motion, samples: int) -> np.ndarray:

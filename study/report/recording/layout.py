@@ -1,7 +1,8 @@
-"""How the viewer opens a recording: an overview, then one tab per signal, convergence, activity and durations."""
+"""How the viewer opens a recording: an overview, then one tab per signal, activity, convergence and durations."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,11 +11,19 @@ import rerun.blueprint as rrb
 
 from study.experiment.cases import Case
 from study.judge import RATES
-from study.report.recording.contents import Contents, Shown
-from study.report.recording.pictures import Bounds, bars_bounds, curves_bounds, key_bounds, ladder_pitch
+from study.report.recording.contents import NANOSECOND, Contents, Shown
+from study.report.recording.pictures import (
+    LADDER_ROOM,
+    Bounds,
+    bars_bounds,
+    bars_pitch,
+    curves_bounds,
+    key_bounds,
+    key_height,
+)
 from study.report.recording.scene import OBSTACLES, Scene
 from study.report.recording.signals import limit_values
-from study.report.recording.stream import EVALUATION, SIGNALS, TIMELINE, entity, method
+from study.report.recording.stream import SIGNALS, TIMELINE, entity, method
 from study.report.recording.summary import history, ladder_bars
 
 TITLES = ("Position", "Velocity", "Acceleration", "Jerk")
@@ -22,11 +31,15 @@ Part = rrb.View | rrb.Container
 
 
 def layout(contents: Contents, scene: Scene | None, populations: Sequence[Part] = ()) -> rrb.Blueprint:
-    """Arrange the views of a recording, those of search populations among them; time stands still at the start."""
+    """Arrange the views of a recording, those of search populations among them; the compared motions run, in a loop.
+
+    Where the cursor stands cannot be said in a layout, and the viewer puts it at the end; what runs begins at the start.
+    """
     tabs: list[Part] = [_overview(contents, scene), *(_signal_tab(contents, order) for order in range(4))]
     tabs += _activity(contents)
     tabs += [*_convergence(contents), *populations]
-    tabs.append(drawing("Durations", "durations", bars_bounds(len(contents.shown))))
+    count = len(contents.shown)
+    tabs.append(drawing("Durations", "durations", bars_bounds(count, bars_pitch(count))))
     if scene is not None:
         if len(contents.case.obstacles):
             tabs.append(rrb.TimeSeriesView(name="Distance to obstacles, m", origin="clearance"))
@@ -35,7 +48,13 @@ def layout(contents: Contents, scene: Scene | None, populations: Sequence[Part] 
         rrb.Tabs(*tabs, active_tab=0),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
-        rrb.TimePanel(timeline=TIMELINE, state="collapsed", play_state="paused"),
+        rrb.TimePanel(
+            timeline=TIMELINE,
+            state="collapsed",
+            play_state="playing",
+            loop_mode="selection",
+            time_selection=rrb.components.AbsoluteTimeRange(0, math.ceil(contents.run_time / NANOSECOND)),
+        ),
         auto_layout=False,
         auto_views=False,
     )
@@ -45,7 +64,7 @@ def _overview(contents: Contents, scene: Scene | None) -> rrb.Container:
     rungs = len(ladder_bars(contents))
     words = rrb.Vertical(
         rrb.TextDocumentView(name="Summary", origin="summary"),
-        drawing("Ladder of lost time", "ladder", bars_bounds(rungs, ladder_pitch(rungs))),
+        drawing("Ladder of lost time", "ladder", bars_bounds(rungs, bars_pitch(rungs, LADDER_ROOM))),
         row_shares=[3, 2],
     )
     plots = rrb.Horizontal(
@@ -72,9 +91,14 @@ def active_signals(contents: Contents, wanted: int = 3) -> list[tuple[int, int]]
 
 def _signal_tab(contents: Contents, order: int) -> rrb.Container:
     joints = range(contents.case.problem.n_joints)
-    key = drawing("Methods", "methods", key_bounds(len(contents.shown)))
     plots = rrb.Grid(*(_plot(contents, order, joint) for joint in joints))
-    return rrb.Vertical(key, plots, row_shares=[1, 6], name=TITLES[order])
+    return under_key("Methods", "methods", len(contents.shown), [plots], TITLES[order])
+
+
+def under_key(name: str, origin: str, count: int, rows: Sequence[Part], title: str) -> rrb.Vertical:
+    """Put rows of equal height below a key, which gets the height that so many names need."""
+    key, height = drawing(name, origin, key_bounds(count)), key_height(count)
+    return rrb.Vertical(key, *rows, row_shares=[height, *[(1.0 - height) / len(rows)] * len(rows)], name=title)
 
 
 def _plot(contents: Contents, order: int, joint: int, only: Sequence[Shown] = ()) -> rrb.TimeSeriesView:
@@ -122,20 +146,14 @@ def drawing(name: str, origin: str, bounds: Bounds) -> rrb.Spatial2DView:
 
 
 def _convergence(contents: Contents) -> list[Part]:
-    """The drawing for every timeline, and the series themselves, which need the timeline `evaluation`."""
+    """The drawings; the series themselves are in the file too, but would stay empty on the timeline that is active."""
     searches = sum(len(history(entry)[0]) > 0 for entry in contents.entries)
     if not searches or not np.isfinite(contents.best):
         return []
-    series = rrb.Vertical(
-        rrb.TimeSeriesView(name="log10 of the gap to the best known time", origin="convergence/gap"),
-        rrb.TimeSeriesView(name="Best objective so far, s", origin="convergence/value"),
-        name=f"Convergence (choose timeline “{EVALUATION}”)",
-    )
-    curves, times = (
+    return [
         drawing(name, where, curves_bounds(searches))
         for name, where in (("Convergence", "convergence_curves"), ("Convergence over wall time", "convergence_times"))
-    )
-    return [curves, times, series]
+    ]
 
 
 def _activity(contents: Contents) -> list[Part]:
@@ -147,5 +165,4 @@ def _activity(contents: Contents) -> list[Part]:
     ]
     if not lanes:
         return []
-    key = drawing("Joints", "joints", key_bounds(contents.case.problem.n_joints + 1))
-    return [rrb.Vertical(key, *lanes, row_shares=[1, *[9 / len(lanes)] * len(lanes)], name="Limits in use")]
+    return [under_key("Joints", "joints", contents.case.problem.n_joints + 1, lanes, "Limits in use")]

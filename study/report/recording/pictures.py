@@ -21,11 +21,15 @@ WHITE: Color = (255, 255, 255)
 GREY: Color = (150, 150, 150)
 FAINT: Color = (48, 48, 48)
 BAR_WIDTH, BAR_PITCH = 640.0, 36.0
-ROOM = 310.0
-"""Height that the first look has for the ladder; more bars come closer together, so that a unit stays a pixel."""
+SCREEN = 960.0
+"""Height that a tab has on a screen of 1920 by 1080; what is laid out for it keeps a unit a pixel there."""
+LADDER_ROOM = 310.0
+"""Height that the first look has for the ladder."""
 PLOT = (1300.0, 640.0)
 KEY_PITCH, KEY_COLUMNS = 250.0, 7
 LETTER = 5.7
+HEAD = 34.0
+"""Height of a view's title, pixels."""
 LINE = 22.0
 
 
@@ -51,9 +55,9 @@ def log_bars(stream: rr.RecordingStream, where: str, bars: Sequence[Bar], pitch:
         log_text(stream, path + "/text", (16.0, y), bar.text, WHITE)
 
 
-def ladder_pitch(count: int) -> float:
-    """Distance at which so many bars find room at the first look."""
-    return min(BAR_PITCH, ROOM / (count + 1))
+def bars_pitch(count: int, room: float = SCREEN) -> float:
+    """Distance at which so many bars find room, so that a unit stays a pixel."""
+    return min(BAR_PITCH, room / (count + 1))
 
 
 def bars_bounds(count: int, pitch: float = BAR_PITCH) -> Bounds:
@@ -101,17 +105,21 @@ def curves_bounds(lines: int) -> Bounds:
 
 
 def log_key(stream: rr.RecordingStream, where: str, names: Sequence[tuple[str, Color]]) -> None:
-    """Draw rows of coloured dots with what they stand for."""
+    """Write rows of names, each in the colour of what it stands for."""
     for place, (name, color) in enumerate(names):
         row, column = divmod(place, KEY_COLUMNS)
-        path, x, y = entity(where, name), KEY_PITCH * column, LINE * row
-        stream.log(path, rr.Points2D([[x, y]], colors=color, radii=6.0), static=True)
-        log_text(stream, path + "/name", (x + 14.0, y), name, WHITE)
+        log_text(stream, entity(where, name), (KEY_PITCH * column, LINE * row), name, color)
 
 
 def key_bounds(count: int) -> Bounds:
-    """Ranges of x and y that so many coloured dots fill."""
+    """Ranges of x and y that so many names fill."""
     return (-20.0, KEY_PITCH * KEY_COLUMNS), (-0.7 * LINE, LINE * ((count - 1) // KEY_COLUMNS + 0.7))
+
+
+def key_height(count: int) -> float:
+    """Share of a tab's height that so many names need, with the head of their view."""
+    low, high = key_bounds(count)[1]
+    return (high - low + HEAD) / SCREEN
 
 
 def _on_paper(points: Floats, low: Floats, high: Floats) -> Floats:

@@ -22,16 +22,20 @@ SLOW_TO_FAST = np.array(
 
 OBSTACLES = entity("arms", "_obstacles")
 OBSTACLE_COLOR = (200, 120, 60)
+VIEW = (0.56, 0.40)
+"""How far to the side and up a point may be seen, as shares of its distance; measured in the first look's views."""
+
 FEW_WAYPOINTS = 6
 """Up to so many waypoints are labelled without pointing at them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Where to look from: the eye and what it looks at, arrays of shape (3,), m."""
+    """Where to look from: the eye and what it looks at, arrays of shape (3,), m; and the tool's fastest instant, m/s."""
 
     eye: Floats
     target: Floats
+    fastest: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +67,9 @@ def log_scene(stream: rr.RecordingStream, contents: Contents) -> Scene | None:
         low, high = np.moveaxis(contents.case.obstacles, 1, 0)
         stream.log(OBSTACLES, rr.Boxes3D(mins=low, sizes=high - low, colors=OBSTACLE_COLOR), static=True)
         _log_clearance(stream, contents, arms)
-        points = np.concatenate([points, low, high])
-    return _looking(points, np.concatenate([arm.chain[:, -1] for arm in arms]))
+    near = [arm for arm in arms if arm.one in contents.first_look]
+    seen = np.concatenate([*(arm.chain.reshape(-1, 3) for arm in near), contents.case.obstacles.reshape(-1, 3)])
+    return Scene(*_looking(seen, np.concatenate([arm.chain[:, -1] for arm in near])), fastest)
 
 
 def _log_clearance(stream: rr.RecordingStream, contents: Contents, arms: Sequence[_Arm]) -> None:
@@ -84,13 +89,22 @@ def _log_clearance(stream: rr.RecordingStream, contents: Contents, arms: Sequenc
             stream.log(where, rr.Points3D(hits, colors=LIMIT_COLOR, radii=0.4 * contents.case.arm_radius), static=True)
 
 
-def _looking(points: Floats, tool: Floats) -> Scene:
-    """Look across the arms' widest horizontal direction, from the tool's side and a little from above."""
+def _looking(points: Floats, tool: Floats) -> tuple[Floats, Floats]:
+    """Look across the arms' widest horizontal direction, from the tool's side and a little from above.
+
+    The eye, shape (3,), comes as near as it can with all points within `VIEW`.
+    """
     low, high = points.min(axis=0), points.max(axis=0)
-    target = 0.5 * (low + high)
+    middle = 0.5 * (low + high)
     _, axes = np.linalg.eigh(np.cov(points[:, :2].T))
-    towards = axes[:, 0] * (1.0 if (tool.mean(axis=0) - target)[:2] @ axes[:, 0] >= 0 else -1.0)
-    return Scene(target + 1.1 * float(np.linalg.norm(high - low)) * np.append(towards, 0.35), target)
+    towards = axes[:, 0] * (1.0 if (tool.mean(axis=0) - middle)[:2] @ axes[:, 0] >= 0 else -1.0)
+    back = np.append(towards, 0.35) / np.linalg.norm([1.0, 0.35])
+    right = np.append([-towards[1], towards[0]], 0.0)
+    frame = np.array([right, np.cross(back, right)])
+    across = frame @ points.T
+    target = middle + frame.T @ (0.5 * (across.min(axis=1) + across.max(axis=1)) - frame @ middle)
+    beside = np.abs(frame @ (points - target).T) / np.array(VIEW)[:, None]
+    return target + back * float(((points - target) @ back + beside.max(axis=0)).max()), target
 
 
 def _arm(robot: Robot, contents: Contents, one: Shown) -> _Arm:
@@ -143,9 +157,16 @@ def _log_path(stream: rr.RecordingStream, path: str, arm: _Arm, fastest: float, 
     thin = min(radius, 0.1 * apart) if apart > 0 else radius  # so that close waypoints do not hide the path
     stream.log(path + "/tool_path", rr.LineStrips3D(pieces, colors=colors, radii=thin), static=True)
     few = len(arm.waypoints) <= FEW_WAYPOINTS
-    labels = [str(k + 1) for k in range(len(arm.waypoints))]
+    labels = _labels(arm.waypoints, 12.0 * radius)
     dots = rr.Points3D(arm.waypoints, labels=labels, show_labels=few, radii=2.0 * thin, colors=(240, 240, 240))
     stream.log(path + "/waypoints", dots, static=True)
+
+
+def _labels(places: Floats, close: float) -> list[str]:
+    """Numbers of the waypoints; those that lie together share the label of the first, as their own would hide it."""
+    apart = np.linalg.norm(places[:, None] - places, axis=2)
+    leader = (apart < close).argmax(axis=1)
+    return [", ".join(str(j + 1) for j in np.flatnonzero(leader == k)) for k in range(len(places))]
 
 
 def speed_colors(share: Floats | Sequence[float]) -> np.ndarray:

@@ -11,7 +11,7 @@ from study.experiment.summary import CURVE
 from study.problem import Floats
 from study.report.ladder import Rung, ladder_of
 from study.report.recording.contents import Contents
-from study.report.recording.pictures import GREY, Bar, Effort, Line, ladder_pitch, log_bars, log_curves
+from study.report.recording.pictures import GREY, LADDER_ROOM, Bar, Effort, Line, bars_pitch, log_bars, log_curves
 from study.report.recording.stream import EVALUATION, entity, method
 from study.report.rows import Entry
 from study.report.wording import DASH, count, percent, seconds, wall
@@ -25,18 +25,27 @@ GAP_FLOOR = 1e-6
 """Relative gaps below the judge's tolerance are drawn at it."""
 
 
-def log_summary(stream: rr.RecordingStream, contents: Contents) -> None:
-    """Write the Markdown table to `/summary`, the ladder of lost time to `/ladder`, all durations to `/durations`."""
-    log_standings(stream, contents)
+def log_summary(stream: rr.RecordingStream, contents: Contents, fastest: float | None = None) -> None:
+    """Write the Markdown table to `/summary`, the ladder of lost time to `/ladder`, all durations to `/durations`.
+
+    Parameters
+    ----------
+    stream : rerun.RecordingStream
+    contents : Contents
+    fastest : float, m/s, optional
+        Speed of the tool's fastest instant, where arms are drawn.
+    """
+    log_standings(stream, contents, fastest)
     bars = ladder_bars(contents)
-    log_bars(stream, "ladder", bars, ladder_pitch(len(bars)))
+    log_bars(stream, "ladder", bars, bars_pitch(len(bars), LADDER_ROOM))
 
 
-def log_standings(stream: rr.RecordingStream, contents: Contents) -> None:
+def log_standings(stream: rr.RecordingStream, contents: Contents, fastest: float | None = None) -> None:
     """Write the table and the durations; written again, both replace what stood there."""
-    text = rr.TextDocument(markdown(contents), media_type=rr.MediaType.MARKDOWN)
+    text = rr.TextDocument(markdown(contents, fastest), media_type=rr.MediaType.MARKDOWN)
     stream.log("summary", text, static=True)
-    log_bars(stream, "durations", [Bar(o.label, o.title, o.motion.duration, o.color) for o in contents.shown])
+    bars = [Bar(o.label, o.title, o.motion.duration, o.color) for o in contents.shown]
+    log_bars(stream, "durations", bars, bars_pitch(len(bars)))
 
 
 def ladder_bars(contents: Contents) -> list[Bar]:
@@ -176,12 +185,14 @@ def _arrivals(contents: Contents, lines: list[Line]) -> list[Line]:
     return found
 
 
-def markdown(contents: Contents) -> str:
+def markdown(contents: Contents, fastest: float | None = None) -> str:
     """Summarise the case: what it asks, who wins, and every method's verdict."""
     case, problem = contents.case, contents.case.problem
     lines = [
         f"# {plain(case.title)}",
         f"{problem.n_waypoints} waypoints, {problem.n_joints} joints. {_winner(contents)}",
+        "",
+        _key(fastest),
         "",
         "| Method | Verdict | Time | Gap | Path | Evaluations |",
         "|:--|:--|--:|--:|:--|--:|",
@@ -197,6 +208,12 @@ def _winner(contents: Contents) -> str:
     if not feasible:
         return "**No method is feasible.**"
     return f"**Fastest feasible: {plain(feasible[0].label)}, {seconds(feasible[0].duration)}.**"
+
+
+def _key(fastest: float | None) -> str:
+    """Say what the colours and marks of the other views mean."""
+    speed = "" if fastest is None else f" Tool paths: dark where slow, yellow at {fastest:.3g} m/s."
+    return f"A method has one colour everywhere. Red lines are limits, diamonds mark where one is used up.{speed}"
 
 
 def _row(entry: Entry) -> str:

@@ -10,10 +10,10 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from study.problem import Floats
-from study.report.recording.contents import PALETTE, Contents, Shown
-from study.report.recording.layout import drawing
-from study.report.recording.pictures import FAINT, GREY, WHITE, key_bounds, log_key, log_text
-from study.report.recording.stream import GENERATION, entity, method
+from study.report.recording.contents import NANOSECOND, PALETTE, Contents, Shown
+from study.report.recording.layout import drawing, under_key
+from study.report.recording.pictures import FAINT, GREY, WHITE, log_key, log_text
+from study.report.recording.stream import GENERATION, entity, method, time_column
 from study.report.replay import Replay, replayed
 
 PANELS = 5
@@ -69,7 +69,11 @@ def swarms_of(contents: Contents) -> tuple[Swarm, ...]:
 
 
 def log_swarms(stream: rr.RecordingStream, contents: Contents, swarms: Sequence[Swarm]) -> None:
-    """Draw some generations to `/swarm` for every timeline, and all to `/population` on the timeline `generation`."""
+    """Draw some generations to `/swarm` for every timeline, and all to `/population`.
+
+    The latter stand on the timeline `generation`, and once more on that of the motions, spread over the time that these
+    run, so that they move while the arms do.
+    """
     joints = contents.case.problem.joint_names
     if any(len(swarm.replay.parts) > 1 for swarm in swarms):
         log_key(stream, "swarm_joints", [(name, PALETTE[k % len(PALETTE)]) for k, name in enumerate(joints)])
@@ -86,14 +90,21 @@ def log_swarms(stream: rr.RecordingStream, contents: Contents, swarms: Sequence[
                 dots = rr.Points2D(points, colors=swarm.color(part), radii=1.6)
                 stream.log(f"{where}/{entity(str(part))}", dots, static=True)
             stream.log(where + "/best", _best(swarm, generation, bounds, corner), static=True)
-        _log_moving(stream, swarm, bounds, last)
+        _log_moving(stream, swarm, bounds, contents.run_time)
 
 
-def _log_moving(stream: rr.RecordingStream, swarm: Swarm, bounds: Floats, last: int) -> None:
-    where, corner = entity("population", method(swarm.one.label)), np.zeros(2)
+def _log_moving(stream: rr.RecordingStream, swarm: Swarm, bounds: Floats, run_time: float) -> None:
+    where, corner, last = entity("population", method(swarm.one.label)), np.zeros(2), swarm.replay.generations - 1
     log_frame(stream, where, corner, bounds, swarm.n_segments)
     frames = np.unique(np.linspace(0, last, FRAMES).round().astype(np.int64))
-    index = [rr.TimeColumn(GENERATION, sequence=frames + 1)]
+    times = np.linspace(0.0, run_time / NANOSECOND, len(frames)).astype(np.int64)
+    index = [rr.TimeColumn(GENERATION, sequence=frames + 1), *time_column(times)]
+    shape = rr.Points2D.from_fields(colors=[WHITE], radii=[0.0], show_labels=True)
+    stream.log(where + "/generation", shape, static=True)
+    titles = rr.Points2D.columns(
+        positions=np.tile([0.5 * SIZE[0], -34.0], (len(frames), 1)), labels=[f"generation {k + 1}" for k in frames]
+    )
+    stream.send_columns(where + "/generation", index, titles.partition([1] * len(frames)))
     for part in range(len(swarm.replay.parts)):
         place = (part, len(swarm.replay.parts))
         points = [places(swarm.replay.at(part, int(k)), bounds, corner, place) for k in frames]
@@ -155,7 +166,7 @@ def swarm_views(swarms: Sequence[Swarm]) -> list[rrb.View | rrb.Container]:
     """Tabs of the drawings and of the moving pictures."""
     if not swarms:
         return []
-    rows: list[rrb.View | rrb.Container] = [
+    still: list[rrb.View | rrb.Container] = [
         _picture(
             f"{swarm.title}: segment durations of all candidates{swarm.remark}, the best so far in white",
             "swarm",
@@ -164,15 +175,15 @@ def swarm_views(swarms: Sequence[Swarm]) -> list[rrb.View | rrb.Container]:
         )
         for swarm in swarms
     ]
-    if any(len(swarm.replay.parts) > 1 for swarm in swarms):
-        key = drawing("Joints", "swarm_joints", key_bounds(7))
-        rows = [key, *rows]
-    shares = [1 if len(rows) > len(swarms) and k == 0 else 6 for k in range(len(rows))]
-    moving = [_picture(swarm.title, "population", swarm, 1) for swarm in swarms]
-    return [
-        rrb.Vertical(*rows, row_shares=shares, name="Search population"),
-        rrb.Horizontal(*moving, name=f"Search population (choose timeline “{GENERATION}”)"),
+    moving = [_picture(f"{swarm.title}, generation by generation", "population", swarm, 1) for swarm in swarms]
+    joints = max(len(swarm.replay.parts) for swarm in swarms)
+    tabs: list[tuple[list[rrb.View | rrb.Container], str]] = [
+        (still, "Search population"),
+        ([rrb.Horizontal(*moving)], "Search population in motion"),
     ]
+    if joints == 1:
+        return [rrb.Vertical(*rows, name=name) for rows, name in tabs]
+    return [under_key("Joints", "swarm_joints", joints, rows, name) for rows, name in tabs]
 
 
 def _picture(name: str, root: str, swarm: Swarm, panels: int) -> rrb.Spatial2DView:
