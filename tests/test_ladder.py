@@ -114,7 +114,7 @@ def test_the_terminal_table_says_path_limits_and_bound(woodworking: list[Result]
     lines = {words[0]: words[1:] for line in text.splitlines() if len(words := line.replace("│", " ").split()) > 2}
     assert lines["ruckig-via"][0] == "free"
     assert lines["toppra"][0] == "fixed"
-    assert lines["casadi-nlp:per-joint"][:2] == ["paper's", "curve"]
+    assert lines["casadi-nlp:per-joint"][:2] == ["case's", "curve"]
     assert lines["any-motion-bound"][:2] == ["any", "≥"]
     bound = float(lines["any-motion-bound"][2])
     time, _, _, above, percent = lines["ruckig-via"][1:6]

@@ -11,7 +11,7 @@ import pytest
 
 from study.curves import CURVES
 from study.experiment.cases import Case, case_names, load_case
-from study.experiment.lineup import Budget, Spec, make_cells
+from study.experiment.lineup import Budget, Spec, default_lineup, make_cells
 from study.experiment.results import Cell, Result
 from study.experiment.runner import Task, execute
 from study.experiment.summary import CURVE, FIXED_PATH, FREE_PATH, Row
@@ -19,14 +19,16 @@ from study.judge import judge
 from study.planning import RunSettings, Status
 from study.problem import JointLimits, Problem
 from study.report import wording
+from study.report.causes import causes_of
 from study.report.convergence import _on_grid, convergence_of
 from study.report.drawn import Convergence, HeadlineRow, Mark, Series, spaced_ticks
 from study.report.featured import Featured, featured
 from study.report.figures import convergence, headline, profile
+from study.report.glossary import glossary
 from study.report.ladder import ladder_of
 from study.report.papers import paper_of
 from study.report.rows import Entry, entries_of, on_curve
-from study.report.sentences import answer
+from study.report.sentences import answer, case_answer
 from study.report.svg import THEME, themed
 
 
@@ -93,16 +95,41 @@ def test_the_first_sentence_counts_cases() -> None:
     first = answer(cases)[0]
     assert first.startswith("Sometimes:")
     assert "ahead in 1, level in 1 and behind in 2 of 4 cases" in first
-    assert "from 10.0 % less to 20.0 % more time" in first
+    assert "from 10.0\u00a0% less to 20.0\u00a0% more time" in first
 
 
 def test_the_third_sentence_blames_the_curve_only_where_it_costs_more_than_the_search() -> None:
     search, plain = entry("search", 10.5), entry("deterministic", 10.0)
     blamed = answer([picked(search, plain, free=entry("deterministic", 6.0, FREE_PATH))])[-1]
     assert blamed.startswith("What costs time is the curve, not the search: against")
-    assert "40.0 % less time (1 case)" in blamed
+    assert "40.0\u00a0% less time with the path between the waypoints free (1 case)" in blamed
     spared = answer([picked(search, plain, free=entry("deterministic", 9.9, FREE_PATH))])[-1]
-    assert spared.startswith("Against the optimum")
+    assert spared.startswith("As for the curve, against the optimum")
+    both = [picked(search, plain, free=entry("deterministic", time, FREE_PATH)) for time in (6.0, 9.9)]
+    assert answer(both)[-1].startswith("What costs time in 1 of 2 cases is the curve, not the search: against")
+
+
+def test_the_papers_budget_is_said_where_it_is_another() -> None:
+    best = picked(entry("search", 10.1), entry("deterministic", 10.0))
+    assert "the paper's own budget is 15\u202f000" in case_answer(best, [15000])[1]
+    assert "the papers' own budget is 2\u202f000 to 15\u202f000" in answer([best, best], [2000, 15000])[1]
+    assert "budget" not in answer([best], [2000])[1]
+    assert "budget" not in answer([best])[1]
+
+
+def test_the_answer_of_one_case_names_methods_and_times() -> None:
+    search, plain = entry("search", 10.1, best=9.9, label="swarm"), entry("deterministic", 10.0, label="plain")
+    best = picked(search, plain, fixed=entry("deterministic", 8.0, FIXED_PATH, label="along"))
+    first, _, last = case_answer(best)
+    assert first.startswith(
+        "Yes: on the same curve the best metaheuristic (`swarm`) takes 10.1000\u00a0s and the deterministic `plain`"
+    )
+    assert "1.00\u00a0% more time (median over 3 seeds; its best seed 1.00\u00a0% less time)" in first
+    assert (
+        last
+        == "Against the optimum on the curve, along a fixed path `along` takes 20.0\u00a0% less time (8.0000\u00a0s)."
+    )
+    assert case_answer(picked(None, None)) == ()
 
 
 def test_without_a_pair_to_compare_there_is_no_sentence() -> None:
@@ -180,8 +207,12 @@ def test_local_descent_is_no_metaheuristic() -> None:
 
 def test_level_optimisers_are_told_apart_by_their_computing() -> None:
     slow, quick = entry("deterministic", 5.0), entry("deterministic", 5.00001)
-    quick = replace(quick, row=replace(quick.row, wall_time=0.1))
+    quick = replace(quick, row=replace(quick.row, evaluations=10))
     assert featured([slow, quick]).optimiser is quick
+    hasty = replace(slow, row=replace(slow.row, wall_time=1e-6, label="z"))
+    for wall in (1e-9, 1.0):  # which of two is named must not differ from run to run
+        first = replace(slow, row=replace(slow.row, wall_time=wall, label="a"))
+        assert featured([hasty, first]).optimiser is first
 
 
 def test_the_ladder_of_woodworking(wood: tuple[Case, tuple[Entry, ...]]) -> None:
@@ -199,6 +230,29 @@ def test_the_ladder_of_woodworking(wood: tuple[Case, tuple[Entry, ...]]) -> None
     for above, below in pairwise(on_the_curve):
         assert below.change == pytest.approx(below.seconds - above.seconds)
         assert below.relative == pytest.approx(below.seconds / above.seconds - 1)
+
+
+def test_causes_lead_from_the_first_result_to_the_optimum(wood: tuple[Case, tuple[Entry, ...]]) -> None:
+    case, entries = wood
+    rungs = ladder_of(case, entries, featured(entries))
+    causes = causes_of(rungs)
+    assert causes is not None
+    assert causes.first.seconds + (causes.optimiser or 0.0) + (causes.rule or 0.0) == pytest.approx(causes.last.seconds)
+    assert causes.fixed == next(rung.change for rung in rungs if rung.method == "toppra")
+    assert causes.free == next(rung.change for rung in rungs if rung.method == "ruckig-stops")
+    assert causes.bound is None
+    assert causes_of(rungs[:1]) is None
+
+
+def test_every_planner_of_the_default_line_up_is_explained() -> None:
+    names = {spec.planner for spec in default_lineup()}
+    assert set(glossary(names)) == names
+    assert "exactly as printed" in glossary(["ssa-as-printed"])["ssa-as-printed"]
+    assert glossary(["a stranger's"]) == {}
+
+
+def test_backticks_become_code_and_nothing_else_does() -> None:
+    assert wording.coded("`a<b>` & `c`") == "<code>a&lt;b&gt;</code> &amp; <code>c</code>"
 
 
 def test_a_lower_bound_ends_the_ladder(wood: tuple[Case, tuple[Entry, ...]]) -> None:
@@ -225,7 +279,7 @@ def test_penalised_candidates_do_not_converge(wood: tuple[Case, tuple[Entry, ...
     ceiling = case.problem.n_segments * case.problem.duration_bounds[1]
     fake = replace(result, history=np.array([[50, ceiling + 3.0], [100, 9.0], [150, 8.0]]))
     np.testing.assert_array_equal(_on_grid(case, fake, np.array([10, 50, 99, 100, 400.0])), [np.inf] * 3 + [9.0, 8.0])
-    part = convergence_of(case, entries, featured(entries))
+    part = convergence_of(case, entries, featured(entries), {"wide": 720.0})
     assert part is not None
     assert part.legend[0] == (0, case.planner)
 
@@ -239,7 +293,10 @@ def test_figures_are_whole_svg_with_their_colours_left_to_the_page(tiny_problem:
         profile("p", named, 0, "rad", [Series('<&"$x$', 0, moving)]),
         headline("h", [HeadlineRow("<&$x$", (Mark(0, 1.2, True, 1.1), Mark(2, 0.5, False)))], "<&", 400.0),
         convergence(
-            "c", [Convergence("<&", 0, *np.array([[1, 10, 100], [9, 5, 2], [8, 4, 1.5], [9, 6, 3.0]]))], ("<", 1.8)
+            "c",
+            [Convergence("<&", 0, *np.array([[1, 10, 100], [9, 5, 2], [8, 4, 1.5], [9, 6, 3.0]]))],
+            ("<", 1.8),
+            400.0,
         ),
     ]
     for picture in pictures:
@@ -308,8 +365,8 @@ def test_without_acceleration_limits_a_free_path_is_no_opponent() -> None:
     fair = picked(search, plain, free=entry("deterministic", 8.0, FREE_PATH))
     unfair = replace(picked(search, plain, free=free), velocity_only=True)
     last = answer([fair, unfair])[-1]
-    assert "20.0 % less time (1 case)" in last
-    assert last.endswith("not counted: 1 case without acceleration limits.")
+    assert "20.0\u00a0% less time with the path between the waypoints free (1 case; 1 case without" in last
+    assert last.endswith("without acceleration limits not counted).")
 
 
 def test_level_free_paths_share_a_rung(wood: tuple[Case, tuple[Entry, ...]]) -> None:

@@ -17,7 +17,7 @@ from study.experiment.results import Cell, Result
 from study.judge import judge
 from study.planning import Plan, Status
 
-CURVE, FIXED_PATH, FREE_PATH = "paper's curve", "fixed path", "free path"
+CURVE, FIXED_PATH, FREE_PATH = "case's curve", "fixed path", "free path"
 _PATHS = {
     **dict.fromkeys(("toppra", "topp3-nlp", "copp"), FIXED_PATH),
     **dict.fromkeys(("ruckig-stops", "ruckig-via", "free-path-nlp", "quintic-nlp", "bspline-nlp"), FREE_PATH),
@@ -34,7 +34,7 @@ class Row:
     kind : str
         `search`, `deterministic` or `published`.
     path : str
-        Whether the method keeps the paper's curve family, retimes a fixed path or chooses its path freely; empty where
+        Whether the method keeps the case's curve family, retimes a fixed path or chooses its path freely; empty where
         that is not known.
     runs, feasible_runs : int
     best, median : float, optional, s

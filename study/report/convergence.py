@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,13 +22,15 @@ POINTS = 240
 
 @dataclass(frozen=True)
 class ConvergencePart:
-    """The figure and the legend that goes with it."""
+    """The figure, wide and narrow, and the legend that goes with it."""
 
-    figure: Markup
+    figures: dict[str, Markup]
     legend: tuple[tuple[int, str], ...]
 
 
-def convergence_of(case: Case, entries: Sequence[Entry], best: Featured) -> ConvergencePart | None:
+def convergence_of(
+    case: Case, entries: Sequence[Entry], best: Featured, widths: Mapping[str, float]
+) -> ConvergencePart | None:
     """Draw the paper's own planner and the best other searches; None where no search left a history.
 
     Parameters
@@ -38,6 +40,8 @@ def convergence_of(case: Case, entries: Sequence[Entry], best: Featured) -> Conv
         Ranked, so the first searches are the best.
     best : Featured
         Its deterministic optimum is the line to reach.
+    widths : mapping of str to float
+        Pixels of every figure.
     """
     searches = [
         entry
@@ -52,7 +56,10 @@ def convergence_of(case: Case, entries: Sequence[Entry], best: Featured) -> Conv
     plain = best.optimiser
     reference = (plain.label, plain.duration) if plain and plain.row.feasible and plain.duration else None
     legend = tuple((curve.style, curve.label) for curve in curves)
-    return ConvergencePart(figures.convergence("convergence", curves, reference), legend)
+    drawings = {
+        name: figures.convergence(f"convergence-{name}", curves, reference, width) for name, width in widths.items()
+    }
+    return ConvergencePart(drawings, legend)
 
 
 def _curve(case: Case, entry: Entry, style: int) -> drawn.Convergence:

@@ -94,7 +94,7 @@ class Bar:
     solid: bool
 
 
-LANES = (-0.15, 0.0, -0.15, 0.17, 0.17)
+LANES = (-0.15, 0.0, -0.15, 0.16, 0.38)
 """Height of every role above its case's line, so that level methods do not hide one another."""
 
 LABEL_ROOM = 74

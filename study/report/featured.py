@@ -35,9 +35,9 @@ class Featured:
     Attributes
     ----------
     search : Entry, optional
-        Lowest median of all searches on the paper's curve.
+        Lowest median of all searches on the case's curve.
     optimiser : Entry, optional
-        Fastest deterministic method on the paper's curve.
+        Fastest deterministic method on the case's curve.
     free, fixed : Entry, optional
         Fastest deterministic method with a free path, and on a fixed one.
     published : Entry, optional
@@ -88,14 +88,17 @@ def featured(entries: Sequence[Entry], velocity_only: bool = False) -> Featured:
 
 
 def _cheapest_of_level(entries: Sequence[Entry]) -> Entry | None:
-    """First entry, or one that is level with it and took less computing."""
+    """First entry, or one that is level with it and needs fewer evaluations, then by name.
+
+    Wall times would decide otherwise from run to run.
+    """
     first = _first(entries)
     if first is None or first.row.median is None:
         return first
     level = [
         one for one in entries if one.row.median is not None and one.row.median <= first.row.median * (1 + LEVEL / 10)
     ]
-    return min(level, key=lambda one: one.row.wall_time)
+    return min(level, key=lambda one: (one.row.evaluations, one.label))
 
 
 def _first(entries: Iterable[Entry]) -> Entry | None:

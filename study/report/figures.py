@@ -38,6 +38,9 @@ from study.report.drawn import (
 from study.report.svg import themed
 from study.report.wording import count, percent
 
+NARROW = 500
+"""Below so many pixels a label does not fit on one line."""
+
 QUANTITIES = ("position", "velocity", "acceleration", "jerk")
 OUT_OF_SIGHT = 0.3
 """Where every method uses less than this share of a limit, the plot shows the motion and not the limit."""
@@ -106,7 +109,9 @@ def _profile_panel(axes: Axes, problem: Problem, joint: int, order: int, series:
         times = sample_times(one.motion)
         values = one.motion(times, order)[:, joint]
         peaks.append(float(np.abs(values).max()))
-        axes.plot(times, values, color=SERIES[one.style], linestyle=DASHES[one.style], linewidth=1.6)
+        axes.plot(
+            times, values, color=SERIES[one.style], linestyle=DASHES[one.style], linewidth=1.6 if order < 3 else 1.0
+        )
     if order == 0:
         low, high = problem.limits.lower[joint], problem.limits.upper[joint]
         axes.plot(series[0].motion.waypoint_times, problem.waypoints[:, joint], "o", color=INK, markersize=3.5)
@@ -139,17 +144,17 @@ def _shade(axes: Axes, low: float, high: float, bottom: float, top: float) -> No
             axes.axhline(limit, color=INK, linewidth=1.0)
 
 
-def convergence(key: str, curves: Sequence[Convergence], reference: tuple[str, float] | None) -> Markup:
+def convergence(key: str, curves: Sequence[Convergence], reference: tuple[str, float] | None, width: float) -> Markup:
     """Plot the time above the shortest known against evaluations: the median over seeds, the quartiles as a band.
 
-    The reference, a name and a time in s, is drawn where a search went below it.
+    The reference, a name and a time in s, is drawn where a search went below it. The width is in pixels.
     """
     ends = [float(np.nanmin(curve.lower)) for curve in curves if np.isfinite(curve.lower).any()]
     shortest = min([*ends, *([reference[1]] if reference else [])], default=1.0)
     with mpl.rc_context(RC):
-        figure = _figure(720, 380)
+        figure = _figure(width, 380)
         axes = figure.subplots()
-        _margins(figure, 62, 12, 44, 10)
+        _margins(figure, 74, 24, 44, 10)
         _grid(axes)
         for curve in curves:
             _converging(axes, curve, shortest)
@@ -195,7 +200,7 @@ def headline(key: str, rows: Sequence[HeadlineRow], reference: str, width: float
     The reference is what 0 % stands for; the width is in pixels.
     """
     with mpl.rc_context(RC):
-        figure = _figure(width, 60 + 66 * len(rows))
+        figure = _figure(width, 60 + 70 * len(rows))
         axes = figure.subplots()
         _margins(figure, 4, 4, 44, 4)
         _grid(axes, "x")
@@ -204,7 +209,7 @@ def headline(key: str, rows: Sequence[HeadlineRow], reference: str, width: float
         axes.set_xlim(*headline_range(rows, width))
         for level, row in enumerate(rows):
             _headline_row(axes, level, row, width)
-        axes.set(ylim=(len(rows) - 0.55, -0.8), yticks=[], xlabel=f"time against {reference}")
+        axes.set(ylim=(len(rows) - 0.5, -0.78), yticks=[], xlabel=f"time against {reference}")
         shown = spaced_ticks(axes.get_xlim(), width)
         axes.set_xticks(shown, [percent(ratio - 1).replace(".00", "").replace(".0", "") for ratio in shown])
         axes.minorticks_off()
@@ -240,10 +245,11 @@ def _headline_row(axes: Axes, level: int, row: HeadlineRow, width: float) -> Non
             )  # fmt: skip
 
 
-def ladder(key: str, bars: Sequence[Bar]) -> Markup:
-    """Plot the ladder of lost time as bars from zero, one under the other."""
+def ladder(key: str, bars: Sequence[Bar], width: float) -> Markup:
+    """Plot the ladder of lost time as bars from zero, one under the other; the width is in pixels."""
+    narrow = width < NARROW
     with mpl.rc_context(RC):
-        figure = _figure(720, 46 * len(bars) + 52)
+        figure = _figure(width, (58 if narrow else 40) * len(bars) + 52)
         axes = figure.subplots()
         _margins(figure, 14, 6, 42, 4)
         axes.tick_params(length=0)
@@ -253,16 +259,13 @@ def ladder(key: str, bars: Sequence[Bar]) -> Markup:
                 level, bar.seconds, height=0.42, facecolor=SERIES[0] if bar.solid else "none", edgecolor=SERIES[0] if not bar.hatch else INK,
                 hatch=bar.hatch, linestyle="-" if bar.solid else "--", linewidth=1.2, alpha=0.9,
             )  # fmt: skip
-            axes.annotate(bar.label, (0.0, level - 0.24), xytext=(0, 2), textcoords="offset points", va="bottom")
+            label = bar.label.replace(": ", ":\n", 1) if narrow else bar.label
+            axes.annotate(label, (0.0, level - 0.24), xytext=(0, 2), textcoords="offset points", va="bottom")
             axes.annotate(
-                bar.value,
-                (bar.seconds, level),
-                xytext=(6, 0),
-                textcoords="offset points",
-                va="center",
-                fontweight="bold",
+                bar.value, (bar.seconds, level), xytext=(6, 0), textcoords="offset points", va="center", weight="bold"
             )
-        axes.set(xlim=(0, 1.34 * longest), ylim=(len(bars) - 0.5, -0.85), yticks=[], xlabel="total time, s")
+        room = (width - 20) / (width - 198)  # for the value beside the longest bar
+        axes.set(xlim=(0, room * longest), ylim=(len(bars) - 0.5, -0.85), yticks=[], xlabel="total time, s")
         axes.spines["left"].set_visible(False)
         return _svg(
             figure,
@@ -272,10 +275,10 @@ def ladder(key: str, bars: Sequence[Bar]) -> Markup:
         )
 
 
-def segments(key: str, series: Sequence[Series]) -> Markup:
-    """Plot how each motion spends its time between the waypoints, as bars cut at the waypoints."""
+def segments(key: str, series: Sequence[Series], width: float) -> Markup:
+    """Plot how each motion spends its time between the waypoints, as bars cut at the waypoints; the width is in pixels."""
     with mpl.rc_context(RC):
-        figure = _figure(720, 46 * len(series) + 52)
+        figure = _figure(width, 46 * len(series) + 52)
         axes = figure.subplots()
         _margins(figure, 14, 10, 42, 4)
         _grid(axes, "x")
@@ -289,10 +292,9 @@ def segments(key: str, series: Sequence[Series]) -> Markup:
             axes.annotate(one.label, (0.0, level - 0.25), xytext=(0, 2), textcoords="offset points", va="bottom")
         axes.set(ylim=(len(series) - 0.5, -0.85), yticks=[], xlabel="time, s")
         axes.spines["left"].set_visible(False)
-        methods = ", ".join(one.label for one in series)
         return _svg(
             figure,
             key,
             "Time spent on every segment",
-            f"Bars cut at the waypoints for {methods}; the table holds the same numbers.",
+            f"Bars cut at the waypoints for {', '.join(one.label for one in series)}; the table holds the same numbers.",
         )

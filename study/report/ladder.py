@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from study.experiment.cases import Case
 from study.experiment.summary import CURVE, FREE_PATH
 from study.report.featured import Featured
+from study.report.papers import paper_of
 from study.report.rows import Entry, lower_bound
 from study.report.wording import plural
 
@@ -44,7 +45,7 @@ class Rung:
     feasible : bool
     seconds : float, s
     change : float, optional, s
-        On the paper's curve against the rung before; on another path against the deterministic optimum on the curve; of
+        On the case's curve against the rung before; on another path against the deterministic optimum on the curve; of
         a bound against the fastest rung. None on the first.
     cause : str
         What makes the difference.
@@ -76,6 +77,7 @@ def ladder_of(case: Case, entries: Sequence[Entry], best: Featured) -> tuple[Run
         elif seconds is not None:
             change = seconds - _base(rungs, entry.path) if rungs else None
             feasible = entry.row.feasible or name == "Lower bound"
+            cause = cause if rungs or entry is best.published else "where the ladder begins"
             rungs.append(
                 Rung(name, entry.label.removeprefix("published: "), entry.path, feasible, seconds, change, cause)
             )
@@ -116,9 +118,10 @@ def _steps(case: Case, entries: Sequence[Entry], best: Featured) -> Iterator[Ste
 
 
 def _curve_steps(case: Case, entries: Sequence[Entry], best: Featured) -> Iterator[Step]:
-    """On the paper's curve: its own planner, the best search and the optimum under its rule, then with shared durations."""
+    """On the case's curve: its own planner, the best search and the optimum under its rule, then with shared durations."""
     searches = [entry for entry in entries if entry.row.kind == "search" and entry.row.feasible and entry.path == CURVE]
-    own = next((entry for entry in searches if entry.label == case.planner), None)
+    papers_own = case.planner if paper_of(case.paper) else None
+    own = next((entry for entry in searches if entry.label == papers_own), None)
     if own is not None:
         yield from _reproduced(own)
     rule = case.settings.synchronisation

@@ -14,16 +14,19 @@ from markupsafe import Markup
 from study.errors import StudyError
 from study.experiment.cases import Case
 from study.experiment.results import Result
+from study.experiment.summary import CURVE, FIXED_PATH, FREE_PATH
 from study.io.filenames import file_stem
 from study.judge import RATES, TOLERANCE
 from study.report import drawn, figures, wording
+from study.report.causes import causes_of
 from study.report.convergence import convergence_of
 from study.report.featured import ROLE_NAMES, ROLES, Featured, featured
+from study.report.glossary import glossary
 from study.report.ladder import Rung, ladder_of
 from study.report.motions import motion_files, write_motions
 from study.report.papers import paper_of
-from study.report.rows import MEANING, Entry, entries_of, lower_bound
-from study.report.sentences import answer
+from study.report.rows import MEANING, Entry, entries_of, known_times
+from study.report.sentences import answer, case_answer
 from study.report.tables import COLUMNS, Record, raw, result_record, write_tables
 from study.trajectory import Motion
 
@@ -39,7 +42,10 @@ STANDINGS = {
 }
 """Groups of the results table and their heads; sorting moves rows inside a group only."""
 
-HATCHES = {"paper's curve": "", "fixed path": "...", "free path": "///"}
+HATCHES = {CURVE: "", FIXED_PATH: "...", FREE_PATH: "///"}
+
+WIDTHS = {"wide": 720.0, "narrow": 370.0}
+"""Pixels of a figure on a page and on a phone, where text would be too small if the wide one were shrunk."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +60,12 @@ class CaseReport:
     motions: Mapping[str, str]
     recording: str | None
     viewer: str | None
+    source: str
+
+    @property
+    def budgets(self) -> list[int]:
+        """Evaluations that the paper spends; none for a case without a paper."""
+        return [self.case.settings.evaluations] if paper_of(self.case.paper) else []
 
 
 def build_report(
@@ -62,6 +74,7 @@ def build_report(
     out: Path,
     environment: Mapping[str, str],
     flags: Mapping[str, str] = MappingProxyType({}),
+    sources: Mapping[str, str] = MappingProxyType({}),
 ) -> Path:
     """Write `index.html`, one page per case and the tables.
 
@@ -75,6 +88,8 @@ def build_report(
         Versions and machine, printed as they are.
     flags : mapping of str to str, optional
         Planners that the bias audit flags, with the reason; every table marks them.
+    sources : mapping of str to str, optional
+        What loads a case again, a name or a path; its name by default.
 
     Returns
     -------
@@ -86,15 +101,15 @@ def build_report(
     StudyError
         If the folder cannot be written.
     """
-    reports = _case_reports(cases, results, out)
+    reports = _case_reports(cases, results, out, sources)
     pages = {report.slug: _case_page(report, environment, flags) for report in reports}
     pages["index"] = _index_page(reports, environment, out, flags)
     try:
         (out / "tables").mkdir(parents=True, exist_ok=True)
         for report in reports:
-            write_tables(out / "tables", report.slug, [(report.case, report.entries)])
+            write_tables(out / "tables", report.slug, [(report.case, report.entries)], sources)
             write_motions(out / "tables" / report.slug, report.case, report.entries, report.motions)
-        write_tables(out / "tables", "all", [(report.case, report.entries) for report in reports])
+        write_tables(out / "tables", "all", [(report.case, report.entries) for report in reports], sources)
         for name, text in pages.items():
             (out / f"{name}.html").write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
@@ -104,7 +119,9 @@ def build_report(
     return out / "index.html"
 
 
-def _case_reports(cases: Mapping[str, Case], results: Sequence[Result], out: Path) -> list[CaseReport]:
+def _case_reports(
+    cases: Mapping[str, Case], results: Sequence[Result], out: Path, sources: Mapping[str, str]
+) -> list[CaseReport]:
     reports: list[CaseReport] = []
     for slug, case in slugs(cases.values()).items():
         entries = entries_of(case, results)
@@ -113,7 +130,8 @@ def _case_reports(cases: Mapping[str, Case], results: Sequence[Result], out: Pat
         link = f"../recordings/{quote(recording.name)}" if recording.is_file() else None
         page = f"{slug}-viewer.html" if (out / f"{slug}-viewer.html").is_file() else None
         rungs = ladder_of(case, entries, best)
-        reports.append(CaseReport(case, slug, entries, best, rungs, motion_files(entries), link, page))
+        source = sources.get(case.name, case.name)
+        reports.append(CaseReport(case, slug, entries, best, rungs, motion_files(entries), link, page, source))
     return reports
 
 
@@ -136,7 +154,7 @@ def _render(template: str, context: Mapping[str, object]) -> str:
     )
     environment.filters |= {
         name: getattr(wording, name)
-        for name in ("seconds", "change", "wall", "percent", "share", "count", "plural", "listed")
+        for name in ("seconds", "change", "wall", "percent", "share", "count", "plural", "listed", "coded")
     }
     source = {name: Markup(loader.get_source(environment, f"report.{name}")[0]) for name in ("css", "js")}  # noqa: S704
     shared = {"rates": RATES, "raw": raw, "columns": COLUMNS, "role_names": ROLE_NAMES, "meaning": MEANING}
@@ -157,7 +175,9 @@ def _index_page(
         "index.html.j2",
         {
             "reports": reports,
-            "sentences": answer([report.best for report in reports]),
+            "sentences": answer([report.best for report in reports], [one for each in reports for one in each.budgets]),
+            "causes": [(report, causes) for report in reports if (causes := causes_of(report.rungs)) is not None],
+            "names": glossary(entry.planner for report in reports for _, _, entry in report.best.present()),
             "headline": pictures,
             "legend": [(ROLES.index(role), ROLE_NAMES[role]) for role in ROLES],
             "published": _published_count(reports),
@@ -204,8 +224,10 @@ def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mappin
             for joint in range(problem.n_joints)
             if near
         ],
-        "segments": figures.segments("segments", series) if series else None,
-        "ladder": ladder_figure(report.rungs) if report.rungs else None,
+        "segments": {
+            name: figures.segments(f"segments-{name}", series, width) for name, width in WIDTHS.items() if series
+        },
+        "ladder": {name: ladder_figure(report.rungs, width) for name, width in WIDTHS.items() if report.rungs},
     }
     return _render(
         "case.html.j2",
@@ -214,15 +236,18 @@ def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mappin
             "case": report.case,
             "problem": problem,
             "paper": paper_of(report.case.paper),
+            "sentences": case_answer(report.best, report.budgets),
+            "names": glossary(entry.planner for entry in report.entries),
+            "role_of": list(ROLE_NAMES.values()),
             "groups": _groups(report),
-            "known": _known(report),
+            "known": known_times(report.entries),
             "single": [entry for entry in report.entries if entry.row.joint is not None],
             "featured": report.best.present(),
             "series": series,
             "near": near,
             "left_out": [one for one in series if one not in near],
             "figures": pictures,
-            "convergence": convergence_of(report.case, report.entries, report.best),
+            "convergence": convergence_of(report.case, report.entries, report.best, WIDTHS),
             "tolerance": TOLERANCE,
             "flags": flags,
             "infinity": float("inf"),
@@ -239,28 +264,14 @@ def too_long(motion: Motion, best: Featured) -> bool:
 
 def _groups(report: CaseReport) -> list[tuple[str, str, list[tuple[Entry, Record]]]]:
     """Rows of the results table in the groups that sorting keeps apart: feasible, infeasible, never judged."""
-    whole = [(entry, result_record(report.case, entry)) for entry in report.entries if entry.row.joint is None]
+    whole = [
+        (entry, result_record(report.case, entry, report.source)) for entry in report.entries if entry.row.joint is None
+    ]
     return [(name, head, [pair for pair in whole if pair[0].standing == name]) for name, head in STANDINGS.items()]
 
 
-def _known(report: CaseReport) -> list[tuple[str, float, str]]:
-    """Best feasible times and proved bounds of the case: what, seconds, by which method."""
-    ranked = [entry for entry in report.entries if entry.rank is not None and entry.row.best is not None]
-    facts = []
-    for path in MEANING:
-        of_path = [entry for entry in ranked if entry.path == path]
-        if of_path:
-            best = min(of_path, key=lambda entry: entry.row.best or 0.0)
-            facts.append((f"best known, {path}", best.row.best or 0.0, best.label))
-        if (bound := lower_bound(report.entries, path)) is not None:
-            facts.append((f"proved lower bound, {path}", bound, ""))
-    if (bound := lower_bound(report.entries)) is not None:
-        facts.append(("proved lower bound, any motion", bound, ""))
-    return facts
-
-
-def ladder_figure(rungs: Sequence[Rung]) -> Markup:
-    """Draw the ladder of lost time; there must be a rung."""
+def ladder_figure(rungs: Sequence[Rung], width: float = WIDTHS["wide"]) -> Markup:
+    """Draw the ladder of lost time, so many pixels wide; there must be a rung."""
     bars = [
         drawn.Bar(
             f"{rung.name}: {rung.method}",
@@ -273,4 +284,4 @@ def ladder_figure(rungs: Sequence[Rung]) -> Markup:
         )
         for rung in rungs
     ]
-    return figures.ladder("ladder", bars)
+    return figures.ladder(f"ladder-{width:.0f}", bars, width)

@@ -31,7 +31,8 @@ def answer_in_markdown(cases: Mapping[str, Case], results: Sequence[Result]) -> 
     rows = [_row(case, entries, chosen) for (case, entries), chosen in zip(tables, best, strict=True)]
     lines = [heads, ["---"] * len(heads), *rows]
     table = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
-    return "\n".join((*(f"- {sentence}" for sentence in answer(best)), "", table))
+    budgets = [case.settings.evaluations for case in cases.values()]
+    return "\n".join((*(f"- {sentence}" for sentence in answer(best, budgets)), "", table))
 
 
 def _row(case: Case, entries: Sequence[Entry], best: Featured) -> list[str]:

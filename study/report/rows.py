@@ -22,7 +22,7 @@ BOUND = "lower_bound"
 has no motion to show speaks of any motion through the waypoints."""
 
 MEANING = {
-    CURVE: "the curve family of the paper; a method chooses the segment durations and nothing else",
+    CURVE: "the curve family of the case, its paper's where there is one; a method chooses the segment durations and nothing else",
     FIXED_PATH: "the geometric path is given; a method chooses the speed along it",
     FREE_PATH: "any motion through the waypoints; the path between them is the method's own",
 }
@@ -136,6 +136,20 @@ def lower_bound(entries: Sequence[Entry], path: str = "") -> float | None:
     known = [one.bound for one in entries if one.path == path and (path or one.motion is None)]
     own = max((bound for bound in known if bound is not None), default=None)
     return own if own is None or not path else max(own, lower_bound(entries) or 0.0)
+
+
+def known_times(entries: Sequence[Entry]) -> list[tuple[str, float, str]]:
+    """Best feasible times and proved bounds of a case, path by path: what, seconds, by which method."""
+    facts = []
+    for path in MEANING:
+        of_path = [(entry.row.best, entry.label) for entry in entries if entry.rank is not None and entry.path == path]
+        if times := [(best, label) for best, label in of_path if best is not None]:
+            facts.append((f"best known, {path}", *min(times)))
+        if (bound := lower_bound(entries, path)) is not None:
+            facts.append((f"proved lower bound, {path}", bound, ""))
+    if (bound := lower_bound(entries)) is not None:
+        facts.append(("proved lower bound, any motion", bound, ""))
+    return facts
 
 
 def path_of(case: Case, row: Row) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from study.experiment.cases import Case
-from study.experiment.lineup import QUICK_EVALUATIONS
+from study.experiment.lineup import QUICK_EVALUATIONS, TIME_LIMIT
 from study.judge import RATES
 from study.report.rows import Entry
 from study.report.wording import DASH, bare_seconds, count, percent, share, wall
@@ -43,20 +43,24 @@ def _number(form: Callable[[float | None], str]) -> Callable[[Value], str]:
 
 COLUMNS = (
     Column("rank", "#", "place among feasible methods, by median time", _plain),
-    Column("method", "Method", "planner and, after a colon, how it differs from the paper's own way", _plain, False),
-    Column("kind", "Kind", "search (with a seed), deterministic or published", _plain, False),
-    Column("path", "Path", "what the method was free to change", _plain, False),
+    Column(
+        "method",
+        "Method",
+        "planner and, after a colon, what is done otherwise than is usual for the case",
+        _plain,
+        False,
+    ),
     Column(
         "median_s",
         "Median, s",
-        "median time over feasible runs; of an infeasible method the time of its motion",
+        "what one run brings: median time over the feasible runs; of an infeasible method the time of its motion",
         _number(bare_seconds),
     ),
-    Column("best_s", "Best, s", "shortest time of a feasible run", _number(bare_seconds)),
+    Column("best_s", "Best, s", "the luckiest seed: shortest time of a feasible run", _number(bare_seconds)),
     Column(
         "gap_same_path",
         "Gap",
-        "median above the shortest feasible time known for the same kind of path",
+        "median above the shortest feasible time known here for the same kind of path",
         _number(percent),
     ),
     Column(
@@ -65,17 +69,17 @@ COLUMNS = (
         "median above the proved lower bound of any motion through the waypoints",
         _number(percent),
     ),
-    Column("feasible", "Feasible", "runs that passed the judge, of all runs (one for each seed)", _plain, False),
+    Column("path", "Path", "what the method was free to change, see below", _plain, False),
+    Column("feasible", "Feasible", "runs that passed the judge, of all runs: one for each seed", _plain, False),
     Column("worst_ratio", "Limit use", "largest peak over its limit; above 1 a limit is broken", _number(share)),
     Column(
         "evaluations",
         "Evals",
-        "curve evaluations of a search, median over runs",
+        "curve evaluations of a run, median over runs; of one joint each where every joint is searched alone",
         _number(lambda v: count(v) if v else DASH),
     ),
-    Column(
-        "wall_s", "Wall", "computing time of the planner, median over runs", _number(lambda v: wall(v) if v else DASH)
-    ),
+    Column("wall_s", "Wall", "computing time of a run, median over runs", _number(lambda v: wall(v) if v else DASH)),
+    Column("kind", "Kind", "search (with a seed), deterministic or published", _plain, False),
 )
 
 
@@ -101,24 +105,38 @@ SCHEMAS: dict[str, dict[str, type]] = {
 """Columns of every file and what they hold."""
 
 
-def command(case: Case, entry: Entry) -> str:
-    """Shell command that makes a row again."""
-    if not entry.results:
-        return "study report"
+AGAIN = "again"
+"""Folder of the commands below, so that the report they are copied from stays as it is."""
+
+
+def command(case: Case, entry: Entry, source: str = "") -> str:
+    """Shell command that makes a row again, in a folder of its own; empty where the paper prints nothing to judge.
+
+    Parameters
+    ----------
+    case : Case
+    entry : Entry
+    source : str
+        What loads the case: its name by default, a path for a case of one's own.
+    """
+    if entry.row.representative is None:
+        return ""
+    parts = ["study", "run", "--cases", source or case.name, "--planners"]
+    if not entry.results:  # every run judges what the paper prints; this is the quickest one
+        return shlex.join([*parts, "centre", "--out", AGAIN])
     settings = entry.results[0].cell.settings
-    parts = ["study", "run", "--cases", case.name, "--planners", entry.label]
+    parts.append(entry.label)
     if entry.row.kind == "search":
-        seeds = max(one.cell.settings.seed for one in entry.results) + 1
-        parts += ["--seeds", str(seeds)]
-        if settings.evaluations == case.settings.evaluations:
-            parts.append("--full")
-        elif settings.evaluations != QUICK_EVALUATIONS:
-            parts += ["--evaluations", str(settings.evaluations)]
-    return shlex.join(parts)
+        parts += ["--seeds", str(max(one.cell.settings.seed for one in entry.results) + 1)]
+    if settings.evaluations != QUICK_EVALUATIONS:
+        parts += ["--evaluations", str(settings.evaluations)]
+    if settings.time_limit != TIME_LIMIT:
+        parts += ["--time-limit", f"{settings.time_limit:g}"]
+    return shlex.join([*parts, "--out", AGAIN])
 
 
-def result_record(case: Case, entry: Entry) -> Record:
-    """One row of the results table; times in s, shares as plain numbers."""
+def result_record(case: Case, entry: Entry, source: str = "") -> Record:
+    """One row of the results table; times in s, shares as plain numbers; `source` is what loads the case."""
     row = entry.row
     return {
         "case": case.name,
@@ -139,7 +157,7 @@ def result_record(case: Case, entry: Entry) -> Record:
         "wall_s": _float(row.wall_time),
         "claimed_s": _float(row.claimed),
         "reason": row.reason,
-        "command": command(case, entry),
+        "command": command(case, entry, source),
     }
 
 
@@ -199,7 +217,9 @@ def segment_records(case: Case, entry: Entry) -> list[Record]:
     ]
 
 
-def write_tables(folder: Path, name: str, cases: Sequence[tuple[Case, Sequence[Entry]]]) -> None:
+def write_tables(
+    folder: Path, name: str, cases: Sequence[tuple[Case, Sequence[Entry]]], sources: Mapping[str, str]
+) -> None:
     """Write results, runs, limits and segments of some cases as CSV and Parquet.
 
     Parameters
@@ -208,10 +228,12 @@ def write_tables(folder: Path, name: str, cases: Sequence[tuple[Case, Sequence[E
     name : str
         Beginning of the file names.
     cases : sequence of (Case, entries)
+    sources : mapping of str to str
+        What loads a case, where that is not its name.
     """
     pairs = [(case, entry) for case, entries in cases for entry in entries]
     tables = {
-        "results": [result_record(*pair) for pair in pairs],
+        "results": [result_record(*pair, sources.get(pair[0].name, "")) for pair in pairs],
         "runs": [record for pair in pairs for record in run_records(*pair)],
         "limits": [record for pair in pairs for record in limit_records(*pair)],
         "segments": [record for pair in pairs for record in segment_records(*pair)],

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
+
+from markupsafe import Markup, escape
 
 from study.errors import plural as plural
 
@@ -12,7 +15,9 @@ DASH = "–"
 
 def seconds(value: float | None) -> str:
     """Time with enough digits to tell neighbours apart."""
-    return DASH if value is None or not math.isfinite(value) else f"{value:.4f} s"
+    if value is None or not math.isfinite(value):
+        return DASH
+    return f"{value:.4g} s" if 0 < value < 0.01 else f"{value:.4f} s"
 
 
 def change(value: float | None) -> str:
@@ -63,3 +68,8 @@ def count(value: float | None) -> str:
 def listed(words: Sequence[str]) -> str:
     """Join words as in a sentence."""
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}" if words else ""
+
+
+def coded(text: str) -> Markup:
+    """Text for a page, with what stands between backticks as code."""
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))  # noqa: S704 - escaped first
