@@ -20,6 +20,8 @@ from study.planning import Planner, Status
 from study.problem import Problem
 
 DASH = "–"
+SHORT = 0.01
+"""Durations below this many seconds are written with significant digits, not decimals."""
 
 
 def progress(console: Console) -> Progress:
@@ -68,6 +70,10 @@ def rows_table(case: Case, rows: Sequence[Row], flags: Collection[str] = ()) -> 
     return table
 
 
+def _seconds(value: float) -> str:
+    return f"{value:.5f}" if value >= SHORT else f"{value:.5g}"
+
+
 def any_motion_bound(row: Row) -> float | None:
     """Proved lower bound on any motion through the waypoints, s, where a row has no motion but such a proof."""
     shown = row.representative
@@ -86,11 +92,11 @@ def _cells(row: Row, bound: float | None, flagged: bool) -> tuple[str | Text, ..
     return (
         Text(row.label + " ⚑" * flagged),
         row.path.removesuffix(" path") if proved is None else "any",
-        f"≥ {proved:.5f}"
+        f"≥ {_seconds(proved)}"
         if proved
         else DASH
         if duration is None
-        else f"{duration:.5f}"
+        else _seconds(duration)
         if judged
         else f"({duration:g})",
         DASH if row.gap is None else f"{100 * row.gap:.2f} %",

@@ -1,6 +1,7 @@
 """`plan` and `compare` from Python, and the commands for one's own robot."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -212,6 +213,19 @@ def test_compare_leaves_trajectory_and_results(small, study_command, tmp_path):
     message = yaml.safe_load((tmp_path / "out" / "trajectories" / "small.yaml").read_text())
     assert message["points"][-1]["velocities"] == pytest.approx([0, 0], abs=1e-9)
     assert "2 cells, 2 of them stored already" in study_command(*arguments).stdout
+
+
+def test_a_motion_of_microseconds_is_told_and_sampled_as_such(study_command, tmp_path):
+    path = tmp_path / "fast.json"
+    limits = {"velocity": 1e6, "acceleration": 2e12, "jerk": 3e19}
+    path.write_text(json.dumps({"units": "rad", "waypoints": [[0, 0], [1, 0.5], [0, 1]], "limits": limits}))
+    arguments = [path, "--planner", "ruckig-stops", "--save", "fast.csv"]
+    planned = study_command("plan", *arguments, cwd=tmp_path)
+    assert planned.returncode == 0, planned.stderr
+    assert re.search(r"passed at 0\.0000000000, 0\.00000\d{5}, 0\.00000\d{5} s", planned.stdout)
+    assert 10 < len((tmp_path / "fast.csv").read_text().splitlines()) < 1000
+    compared = study_command("compare", path, "--planners", "ruckig-stops", "--no-report", cwd=tmp_path)
+    assert re.search(r"│ +\d\.\d+e-06 │", compared.stdout), compared.stdout
 
 
 def test_waypoints_alone_with_limits_from_a_robots_files(study_command, tmp_path):
