@@ -6,6 +6,8 @@ import pytest
 from study.comparison import ablations, audit, tasks
 from study.comparison.audit import FunctionFinding, TrajectoryFinding
 from study.comparison.effort import QUICK
+from study.comparison.grids import function_grid
+from study.comparison.sentences import axes_audited
 from study.comparison.trials import Job, Outcome, Trial, run_trial
 from study.curves import curve_named
 from study.errors import StudyError
@@ -124,6 +126,34 @@ def test_function_findings_by_hand():
     assert list(audit.flags_of(found, [])) == ["a"]
 
 
+def test_trajectory_findings_by_hand():
+    durations = {
+        ("a", tasks.AS_IT_IS): [1.0, 2.0, 3.0], ("a", tasks.REFLECTED): [4.0, 5.0, 6.0], ("a", tasks.CENTRED): [1.0, 2.0, 3.0],
+        ("b", tasks.REFLECTED): [1.0, 1.0, 1.0],
+    }  # fmt: skip
+    found = audit.trajectory_findings(
+        {
+            Trial(search, "case", view, seed, 10, 5, formulation="penalty"): Outcome(value, "", 0.0)
+            for (search, view), values in durations.items()
+            for seed, value in enumerate(values)
+        }
+    )
+    reflected, centred = found  # of b there is nothing to compare with
+    assert (reflected.as_they_are, reflected.seen, reflected.a12) == (2.0, 5.0, 1.0)
+    assert reflected.p == pytest.approx(2 * 2 / 20)  # 2 of C(6, 3) arrangements are as extreme; two findings
+    assert not reflected.depends  # however large
+    assert (centred.a12, centred.p) == (0.5, 1.0)
+
+
+def test_turned_axes_are_marked_and_raise_no_flag():
+    one = FunctionFinding("a", {"f": 2.0}, 2.0, 99.0, {}, 2.0)
+    assert audit.flags_of([one], []) == {}
+    assert "99 ↻" in function_grid([one], {}).rows[0]
+    assert "9.9" in function_grid([replace(one, rotated=9.9)], {}).rows[0]
+    assert "1 of 2 searches" in axes_audited([one, replace(one, rotated=9.9)])
+    assert "a (99)" in axes_audited([one])
+
+
 def test_flags_name_the_view_that_matters():
     functions = [FunctionFinding("a", {}, 2.0, 99.0, {}, 20.0), FunctionFinding("b", {}, 2.0, 2.0, {}, 2.0)]
     seen = [
@@ -153,19 +183,6 @@ def test_random_search_is_blind_to_the_view_up_to_rounding():
     values = audit.grouped({job.trial: run_trial(job) for job in jobs})
     same = [values["r", "woodworking", "scaled", view] for view in (tasks.AS_IT_IS, tasks.CENTRED)]
     assert same[0] == pytest.approx(same[1], rel=1e-9)
-
-
-def test_a_trial_repeats_and_its_key_follows_its_content():
-    trial = Trial("woa", "sphere", tasks.SHIFTED, 1, 100, 10, 4)
-    job = Job(trial, WOA())
-    assert run_trial(job).value == run_trial(job).value
-    assert job.key == Job(replace(trial, search="another name"), WOA()).key
-    others = [
-        Job(trial, WOA(spiral=2.0)),
-        Job(replace(trial, seed=2), WOA()),
-        Job(replace(trial, view="origin"), WOA()),
-    ]
-    assert len({job.key, *(other.key for other in others)}) == 4
 
 
 def test_a_search_that_breaks_down_is_a_record():

@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 from study.comparison import statistics
-from study.comparison.differences import levelled
+from study.comparison.claims import against
+from study.comparison.contestants import Contestant, Reference
+from study.comparison.differences import levelled, omnibus, pairings
 from study.errors import StudyError
 
 
@@ -110,9 +112,10 @@ def test_critical_values_are_those_published(n_methods, at_5, at_10):
     assert statistics.nemenyi_quantile(n_methods, 0.10) == pytest.approx(at_10, abs=0.0015)
 
 
-def test_smallest_p_by_enumeration():
-    # all of 3 cases rank 3 methods alike: 6 of 6^3 equally likely tables
-    assert statistics.smallest_omnibus_p(3, 3) == pytest.approx(6 / 6**3)
+def test_smallest_p_by_hand():
+    # 4 cases that rank 3 methods alike: rank sums 4 8 12, chi2 = 12/(4*3*4) * (16+64+144) - 3*4*4 = 8, and exp(-8/2)
+    assert statistics.smallest_omnibus_p(4, 3) == pytest.approx(math.exp(-4))
+    assert statistics.friedman([[1, 2, 3]] * 3 + [[4, 5, 6]]).p == pytest.approx(math.exp(-4))
     assert statistics.smallest_pair_p(5) == pytest.approx(0.0625)
 
 
@@ -145,3 +148,71 @@ def test_cliques_by_hand():
 def test_durations_within_the_judges_tolerance_are_ties():
     values = levelled(np.array([2.0, 2.0 * (1 + 4e-7), 2.0 * (1 + 2e-6), np.inf]), 2.0)
     assert values[0] == values[1] < values[2] < values[3]
+    tied = levelled(np.array([2.2, 2.4, 2.6]), 2.0) - levelled(np.array([2.0, 2.2, 2.4]), 2.0)
+    assert len(set(tied)) == 1  # so that the signed rank test sees ties, not rounding
+
+
+def contestant(planner, case, durations):
+    durations = np.array(durations, dtype=float)
+    ones = np.ones(len(durations))
+    return Contestant(case, planner, "scaled", durations, durations, (), ones, ones)
+
+
+REFERENCES = {"one": Reference("one", 2.0, "x", "poly353"), "two": Reference("two", 4.0, "x", "poly353")}
+
+
+def test_pairings_by_hand():
+    runs = {
+        "pso": [2.2, 2.4, 2.6, 2.8],
+        "better": [2.1, 2.2, 2.3, 2.4],
+        "once": [2.4],
+        "failing": [2.0, 2.0, np.inf, 2.0],
+    }
+    found = {one.planner: one for one in pairings([contestant(k, "one", v) for k, v in runs.items()], REFERENCES)}
+    better, once, failing = (found[name] for name in ("better", "once", "failing"))
+    # of 16 pairs 2.1 beats 4, 2.2 beats 3 and ties, 2.3 beats 3, 2.4 beats 2 and ties
+    assert better.a12 == pytest.approx(13 / 16)
+    assert better.difference.estimate == pytest.approx(-0.125)  # 0.25 s of 2 s
+    assert (better.difference.lower, better.difference.upper) == pytest.approx((-0.2, -0.05))
+    assert better.signed_rank == pytest.approx(3 * 2 / 2**4)  # all of one sign; the least of three p-values
+    assert once.a12 == pytest.approx(
+        (2 + 0.5) / 4
+    )  # the one run stands for every seed: it beats 2.6 and 2.8, ties with 2.4
+    assert failing.difference is None
+    assert failing.a12 == pytest.approx(3 / 4)
+
+
+def test_the_omnibus_ranks_medians_and_puts_failures_last():
+    medians = {"pso": (2.2, 4.1), "a": (2.1, 4.2), "b": (np.inf, 4.3), "partly": (2.05, None)}
+    found = omnibus(
+        [
+            contestant(name, case, [value] * 3)
+            for name, values in medians.items()
+            for case, value in zip(REFERENCES, values, strict=True)
+            if value
+        ],
+        REFERENCES,
+        "scaled",
+    )
+    assert found.planners == (
+        "pso",
+        "a",
+        "b",
+    )  # ranks 2 1, 1 2, 3 3; the tie keeps its order; `partly` ran on one case only
+    assert found.friedman.mean_ranks.tolist() == [1.5, 1.5, 3.0]
+    assert found.friedman.statistic == pytest.approx(12 / (2 * 3 * 4) * (9 + 9 + 36) - 3 * 2 * 4)
+    assert found.difference == pytest.approx(2.343 * math.sqrt(3 * 4 / 12), abs=2e-3)
+    assert found.groups == [(0, 1, 2)]
+    # z = 1.5 / sqrt(3 * 4 / 12) = 1.5 and two-sided p = 0.1336, doubled by Holm
+    assert found.against_control == pytest.approx([1.0, 1.0, 2 * 0.1336], abs=2e-4)
+    assert omnibus([contestant("pso", "one", [2.0])], REFERENCES, "scaled") is None
+
+
+def test_a_claim_against_its_opponent_by_hand():
+    found = against(np.array([9.0, 8.0, 12.0]), np.array([10.0, 10.0, 10.0]))
+    # differences -10 %, -20 %, +20 % of 10 s; ranks 1 and two of 2.5: of the 8 sign patterns 6 give W <= 2.5
+    assert found.difference.estimate == pytest.approx(-0.1)
+    assert (found.difference.lower, found.difference.upper) == pytest.approx((-0.2, 0.2))
+    assert found.a12 == pytest.approx(2 / 3)
+    assert 0.5 < found.p <= 1.0
+    assert against(np.array([1.0, np.inf]), np.array([2.0, 2.0])).difference is None

@@ -20,7 +20,7 @@ Others = Annotated[list[Path], typer.Argument(metavar="OTHER", help="Results fil
 
 @store_app.command()
 def verify(out: Out = DEFAULT_OUT) -> None:
-    """Read the whole file and compare every result with its checksum; ends with 2 if one is damaged."""
+    """Read the whole file and compare every result and trial with its checksum; ends with 2 if one is damaged."""
     count, damaged = storekeeping.verify(out / STORE_NAME)
     if damaged:
         raise StudyError(

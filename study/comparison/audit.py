@@ -27,6 +27,9 @@ ALARM = 10.0
 FLOOR = 1e-8
 """Errors below it count as it, so that a ratio of two numbers that are both as good as zero is 1."""
 
+AXES = "↻"
+"""Marks a search whose error grows beyond the alarm when the axes are turned."""
+
 SIGNIFICANT = 0.05
 Outcomes = Mapping[Trial, Outcome]
 
@@ -117,6 +120,11 @@ class FunctionFinding:
     rotated: float
     doses: Mapping[str, float]
     diagonal: float
+
+    @property
+    def on_axes(self) -> bool:
+        """Whether the result depends on the directions of the axes."""
+        return self.rotated > ALARM
 
 
 def function_findings(outcomes: Outcomes) -> list[FunctionFinding]:

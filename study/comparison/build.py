@@ -20,7 +20,8 @@ from study.comparison.contestants import (
     solver_cells,
 )
 from study.comparison.effort import Effort
-from study.comparison.trials import Job, TrialStore, run_jobs
+from study.comparison.trials import Job
+from study.comparison.trialstore import TrialStore, run_jobs
 from study.experiment.cases import Case
 from study.experiment.pool import WorkerPool
 from study.experiment.results import Cell, Result
@@ -181,15 +182,7 @@ def _planned(
 
 
 def _tried(name: str, jobs: Sequence[Job], store: TrialStore, pool: Executor, progress: Progress) -> audit.Outcomes:
-    done = len(store.outcomes(jobs))
-
-    def finished(count: int) -> None:
-        nonlocal done
-        done += count
-        progress(name, done, len(jobs))
-
-    progress(name, done, len(jobs))
-    return run_jobs(jobs, store, pool, finished)
+    return run_jobs(jobs, store, pool, lambda done: progress(name, done, len(jobs)))
 
 
 @contextmanager

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from study.comparison import statistics
 from study.comparison.contestants import Contestant, Reference, Runs, contestants, installed
+from study.comparison.differences import difference, levelled
 from study.comparison.effort import Effort
+from study.comparison.statistics import Interval
 from study.experiment.cases import Case
 from study.experiment.lineup import Spec, make_cells
 from study.experiment.published import claims
 from study.experiment.results import Cell
 from study.experiment.summary import published_rows
+from study.problem import Floats
 
 
 @dataclass(frozen=True)
@@ -49,9 +52,28 @@ HEADLINES = (
 )
 
 
+@dataclass(frozen=True)
+class Against:
+    """What the totals of one search are against another's at the same budget, on paired seeds.
+
+    Attributes
+    ----------
+    difference : Interval, optional
+        Median of the first minus the second, as a share of the second's median; None where a run gave no motion.
+    a12 : float
+        Probability that a run of the first is shorter.
+    p : float
+        Signed rank, adjusted by Holm for the claims.
+    """
+
+    difference: Interval | None
+    a12: float
+    p: float
+
+
 @dataclass(frozen=True, eq=False)
 class Counterpart:
-    """A claim and what the same search is worth when the comparison is fair; shares of time saved, not percent.
+    """A claim and what the same search is worth when the comparison is fair.
 
     Attributes
     ----------
@@ -69,12 +91,8 @@ class Counterpart:
         How many of our runs pass the judge.
     our_total : float, s
         Median total of our runs, feasible or not: the papers do not judge the motion that their joints make together.
-    saving_baseline, saving_random : float
-        Median total saved against the baseline planner and against random search, at the same budget.
-    a12_baseline, a12_random : float
-        Probability that a run is shorter than theirs.
-    p_baseline, p_random : float
-        Signed rank on paired seeds.
+    against_baseline, against_random : Against
+        The baseline planner and random search.
     reference : Reference
         Optimum of the same problem as far as known.
     above_optimum, printed_above_optimum : float
@@ -95,12 +113,8 @@ class Counterpart:
     ours: Contestant
     feasible: int
     our_total: float
-    saving_baseline: float
-    saving_random: float
-    a12_baseline: float
-    a12_random: float
-    p_baseline: float
-    p_random: float
+    against_baseline: Against
+    against_random: Against
     reference: Reference
     above_optimum: float
     printed_above_optimum: float
@@ -130,7 +144,7 @@ def counterparts(
             case = cases[headline.case]
             if {case.planner, headline.baseline, "random-search"} <= by_name.keys():
                 found.append(_counterpart(headline, case, by_name, runs, references[headline.case]))
-    return found
+    return _adjusted(found)
 
 
 def _counterpart(
@@ -152,12 +166,8 @@ def _counterpart(
         ours,
         feasible=int(np.isfinite(ours.durations).sum()),
         our_total=_total(ours),
-        saving_baseline=_saving(ours, baseline),
-        saving_random=_saving(ours, chance),
-        a12_baseline=statistics.a12(ours.totals, baseline.totals),
-        a12_random=statistics.a12(ours.totals, chance.totals),
-        p_baseline=statistics.signed_rank(ours.totals, baseline.totals),
-        p_random=statistics.signed_rank(ours.totals, chance.totals),
+        against_baseline=against(ours.totals, baseline.totals),
+        against_random=against(ours.totals, chance.totals),
         reference=reference,
         above_optimum=_total(ours) / reference.value - 1.0,
         printed_above_optimum=total / reference.value - 1.0,
@@ -170,9 +180,22 @@ def _total(one: Contestant) -> float:
     return float(np.median(one.totals))
 
 
-def _saving(first: Contestant, second: Contestant) -> float:
-    """Share of the second's median total that the first saves."""
-    return 1.0 - _total(first) / _total(second)
+def against(first: Floats, second: Floats) -> Against:
+    """Compare the totals of two searches, s; the p-value is not adjusted yet."""
+    base = float(np.median(second))
+    ours, theirs = (levelled(totals, base if np.isfinite(base) else 1.0) for totals in (first, second))
+    return Against(difference(ours, theirs), statistics.a12(ours, theirs), statistics.signed_rank(ours, theirs))
+
+
+def _adjusted(found: Sequence[Counterpart]) -> list[Counterpart]:
+    """Adjust the p-values for how many claims stand together, opponent by opponent."""
+    for name in ("against_baseline", "against_random"):
+        p_values = statistics.holm([getattr(one, name).p for one in found])
+        found = [
+            replace(one, **{name: replace(getattr(one, name), p=float(p))})
+            for one, p in zip(found, p_values, strict=True)
+        ]
+    return list(found)
 
 
 def _published(case: Case, total: float) -> tuple[bool | None, str]:

@@ -69,7 +69,7 @@ def _against(own: Mapping[str, Contestant], control: Contestant, runs: int, refe
             one.planner,
             control.planner,
             statistics.a12(sample, base),
-            _difference(sample, base),
+            difference(sample, base),
             float(p),
             float(q),
         )
@@ -78,14 +78,16 @@ def _against(own: Mapping[str, Contestant], control: Contestant, runs: int, refe
 
 
 def levelled(durations: Floats, reference: float) -> Floats:
-    """Durations as shares of the reference, rounded so that differences within the judge's tolerance vanish."""
-    return np.round(durations / reference / EQUAL) * EQUAL
+    """Durations in whole steps of the judge's tolerance, so that smaller differences vanish and equal ones tie exactly."""
+    return np.round(durations / reference / EQUAL)
 
 
-def _difference(first: Floats, second: Floats) -> Interval | None:
+def difference(first: Floats, second: Floats) -> Interval | None:
+    """Median difference of levelled durations, as a share of the reference; None where a run is infeasible."""
     if not (np.isfinite(first).all() and np.isfinite(second).all()):
         return None
-    return statistics.median_difference(first, second)
+    steps = statistics.median_difference(first, second)
+    return Interval(steps.estimate * EQUAL, steps.lower * EQUAL, steps.upper * EQUAL)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +110,7 @@ class Omnibus:
         p against the control, adjusted by Holm.
     nemenyi : array of shape (n_planners, n_planners)
     smallest_p : float
-        Smallest p that the exact test can give with so many cases and planners.
+        Smallest p that the test can give with so many cases and planners.
     smallest_pair_p : float
         Smallest p of a signed rank test over so many cases.
     """

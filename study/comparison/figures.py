@@ -127,6 +127,7 @@ def critical_difference(key: str, found: Omnibus) -> Markup:
         )
         _rows(axes, found.planners)
         axes.set_xlim(0.5, max(n + 1.0, n + 0.7 + 0.45 * len(found.groups)))
+        axes.set_xticks(range(1, n + 1, 1 if n < 10 else 2))
         axes.set_ylim(n - 0.4, -1.5)
         axes.set_xlabel("mean rank over cases (1 is best); a bar joins what cannot be told apart")
         return _svg(

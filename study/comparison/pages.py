@@ -148,7 +148,7 @@ def _claims_page(found: Comparison) -> Page:
         [
             "Each paper's claim compares its search with an opponent, or with durations, of its own choice; the columns to the "
             "right compare it with what could be had: a search that knows nothing, the optimum, and a solver that needs no search.",
-            "Every motion passed the same judge; a total that is shorter than the optimum belongs to runs that broke a limit.",
+            "Every motion was put before the same judge; a total that is shorter than the optimum belongs to runs that broke a limit.",
             "⚑ marks a search that the audit flags; every table of these pages shows it.",
         ],
         [
@@ -205,8 +205,9 @@ def _targets_page(found: Comparison) -> Page:
             "A target is a share above the best known. The number below it is the average number of evaluations to reach it if a "
             "failed run is followed by another: all evaluations spent over the number of runs that reached it.",
             "Every search has the same budget of evaluations on a case, the same seeds, and no more information than the others.",
-            "A line of the first figure that is higher reached more of all cases, runs and targets within as many evaluations; thin "
-            "lines are the other planners, whose numbers stand in the tables.",
+            "A line of the first figure that is higher reached more of all cases, runs and targets within as many evaluations; no "
+            "restarts are simulated in it, so a line ends where the budget does. Thin lines are the other planners, whose numbers "
+            "stand in the tables.",
             "The bands of the anytime curves are quartiles over runs. Centre and one L-BFGS-B descent need the scaled formulation "
             "and stand with it in both levels.",
         ],
@@ -261,10 +262,15 @@ def _audit_page(found: Comparison) -> Page:
     effort = found.effort
     return Page(
         "Invariance audit: does a result depend on where the origin is?",
-        [sentences.functions_audited(found.functions), sentences.trajectories_audited(found.trajectories)],
+        [
+            sentences.functions_audited(found.functions),
+            sentences.axes_audited(found.functions),
+            sentences.trajectories_audited(found.trajectories),
+        ],
         [
             "A sound search gives the same results wherever the optimum lies. The error with the optimum shifted, by a random amount in "
-            "every coordinate, over the error with it at the origin should be about 1; above 10 is Kudela's alarm level.",
+            "every coordinate, over the error with it at the origin should be about 1; above 10 is Kudela's alarm level. Rotated "
+            "functions are shifted as far and compared with the shifted ones, so that place and direction stay apart.",
             f"Functions: {', '.join(effort.functions)}, {effort.dimensions} dimensions, {effort.population} candidates, "
             f"{effort.generations} generations, {effort.function_seeds} runs; dose and diagonal tests on {', '.join(effort.dosed)}.",
             "The dose test moves the optimum by a ten-thousandth, a hundredth and three tenths of the half range; the diagonal test puts "

@@ -1,4 +1,4 @@
-"""Findings as flat records, and their CSV and Parquet files; the only file of the comparison that imports pandas."""
+"""Findings as flat records, and their CSV and Parquet files."""
 
 from __future__ import annotations
 
@@ -7,15 +7,18 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
+import pyarrow as pa
+import pyarrow.csv as pcsv
+import pyarrow.parquet as pq
 
 from study.comparison.ablations import AblationFinding
 from study.comparison.audit import FunctionFinding, TrajectoryFinding
-from study.comparison.claims import Counterpart
+from study.comparison.claims import Against, Counterpart
 from study.comparison.contestants import Contestant
 from study.comparison.differences import Omnibus, Pairing
 from study.comparison.performance import Performance
 from study.comparison.runtime import TARGETS
+from study.comparison.statistics import Interval
 
 Record = dict[str, object]
 
@@ -76,9 +79,7 @@ def pairing_records(found: Sequence[Pairing], flags: Mapping[str, str]) -> list[
             "flag": flags.get(one.planner, ""),
             "control": one.control,
             "a12": one.a12,
-            "median_difference": one.difference.estimate if one.difference else None,
-            "difference_low": one.difference.lower if one.difference else None,
-            "difference_high": one.difference.upper if one.difference else None,
+            **_interval("difference", one.difference),
             "signed_rank_p_holm": one.signed_rank,
             "rank_sum_p_holm": one.rank_sum,
         }
@@ -150,9 +151,7 @@ def ablation_records(found: Sequence[AblationFinding]) -> list[Record]:
             "plain_median": _finite(one.plain),
             "improved_median": _finite(one.improved),
             "a12": one.a12,
-            "difference": one.difference.estimate,
-            "difference_low": one.difference.lower,
-            "difference_high": one.difference.upper,
+            **_interval("difference", one.difference),
             "difference_unit": "share of the plain median" if one.trajectory else "decades of error",
             "signed_rank_p_holm": one.p,
             "effect": one.effect,
@@ -175,9 +174,9 @@ def claim_records(found: Sequence[Counterpart]) -> list[Record]:
             "our_median_s": _finite(one.our_total),
             "our_feasible_runs": one.feasible,
             "our_runs": len(one.ours.durations),
-            "saving_against_baseline": _finite(one.saving_baseline),
             "baseline": one.headline.baseline,
-            "saving_against_random": _finite(one.saving_random),
+            **_against("baseline", one.against_baseline),
+            **_against("random", one.against_random),
             "optimum_s": one.reference.value,
             "above_optimum": _finite(one.above_optimum),
             "printed_above_optimum": one.printed_above_optimum,
@@ -189,12 +188,22 @@ def claim_records(found: Sequence[Counterpart]) -> list[Record]:
     ]
 
 
+def _interval(name: str, found: Interval | None) -> Record:
+    ends = (found.estimate, found.lower, found.upper) if found else (None, None, None)
+    return dict(zip((name, f"{name}_low", f"{name}_high"), ends, strict=True))
+
+
+def _against(name: str, found: Against) -> Record:
+    difference = _interval(f"difference_against_{name}", found.difference)
+    return difference | {f"a12_against_{name}": found.a12, f"signed_rank_p_holm_against_{name}": found.p}
+
+
 def write_tables(folder: Path, tables: Mapping[str, Sequence[Record]]) -> None:
     """Write every table as CSV and Parquet into a folder that exists."""
     for name, records in tables.items():
-        frame = pd.DataFrame.from_records(list(records))
-        frame.to_csv(folder / f"{name}.csv", index=False, lineterminator="\n")
-        frame.to_parquet(folder / f"{name}.parquet", index=False)
+        table = pa.Table.from_pylist(list(records))
+        pcsv.write_csv(table, folder / f"{name}.csv")
+        pq.write_table(table, folder / f"{name}.parquet")
 
 
 def _finite(value: float | None) -> float | None:

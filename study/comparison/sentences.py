@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from study.comparison.ablations import ABLATIONS, WHOLE, AblationFinding
-from study.comparison.audit import ALARM, FunctionFinding, TrajectoryFinding, figure
+from study.comparison.audit import ALARM, AXES, SIGNIFICANT, FunctionFinding, TrajectoryFinding, figure
 from study.comparison.build import Comparison
-from study.comparison.claims import Counterpart
-from study.comparison.contestants import TRIVIAL
+from study.comparison.claims import Against, Counterpart
+from study.comparison.contestants import ALWAYS_SCALED, TRIVIAL
 from study.comparison.differences import Omnibus
 from study.comparison.performance import Performance
 from study.report.wording import listed, percent, plural, seconds
@@ -31,9 +31,11 @@ def micro(wall: float) -> str:
 
 def ranking(found: Omnibus) -> str:
     """Say who ranks first, and where the trivial opponents stand."""
+    scaled = [name for name in ALWAYS_SCALED if name in found.planners and found.level != "scaled"]
+    note = f" ({listed(scaled)} with the scaled one, which they need)" if scaled else ""
     trivial = [f"{name} {found.planners.index(name) + 1}" for name in TRIVIAL if name in found.planners]
     return (
-        f"With the {found.level} formulation {found.planners[0]} has the best mean rank over "
+        f"With the {found.level} formulation{note} {found.planners[0]} has the best mean rank over "
         f"{plural(len(found.cases), 'case')} ({found.friedman.mean_ranks[0]:.1f} of {len(found.planners)}); "
         f"the places of the trivial opponents among {len(found.planners)}: {', '.join(trivial)}."
     )
@@ -78,6 +80,16 @@ def functions_audited(found: Sequence[FunctionFinding]) -> str:
     return (
         f"On the functions the error of {len(flagged)} of {len(found)} searches grows more than "
         f"{ALARM:g}-fold when the optimum leaves the origin: {listed(flagged) or 'none'}.{rest}"
+    )
+
+
+def axes_audited(found: Sequence[FunctionFinding]) -> str:
+    """Say whose result depends on the directions of the axes."""
+    turned = [f"{one.search} ({figure(one.rotated)})" for one in found if one.on_axes]
+    return (
+        f"The error of {len(turned)} of {len(found)} searches grows more than {ALARM:g}-fold when the axes of the functions are "
+        f"turned about the optimum: {listed(turned) or 'none'}. Such a search gains from functions that fall apart into single "
+        f"coordinates; that is no pull to a place, so it raises no flag, and is marked {AXES} here."
     )
 
 
@@ -158,15 +170,19 @@ def claimed(one: Counterpart) -> str:
     return (
         f"{one.headline.paper} claims {one.printed_saving} less time than {one.headline.against} ({one.printed_total}). "
         f"Its search, {one.planner}, run its own way ends at {seconds(one.our_total)} ({ours}): "
-        f"{less(one.saving_baseline)} than {one.headline.baseline} and {less(one.saving_random)} than random search at the "
+        f"{less(one.against_baseline)} than {one.headline.baseline} and {less(one.against_random)} than random search at the "
         f"same budget, {percent(one.above_optimum)} against the optimum of {seconds(one.reference.value)}; "
         f"the printed total is {percent(one.printed_above_optimum)} against that optimum. {ruckig}."
     )
 
 
-def less(saving: float) -> str:
-    """Say how much shorter a time is, or longer."""
-    return f"{percent(abs(saving), signed=False)} {'shorter' if saving >= 0 else 'longer'}"
+def less(found: Against) -> str:
+    """Say how much shorter a search's totals are, or longer, and whether that is more than chance."""
+    if found.difference is None:
+        return "not comparable, since runs gave no motion,"
+    change = found.difference.estimate
+    sure = "" if found.p < SIGNIFICANT else " (no significant difference)"
+    return f"{percent(abs(change), signed=False)} {'shorter' if change <= 0 else 'longer'}{sure}"
 
 
 def summary(found: Comparison) -> list[str]:
@@ -187,6 +203,8 @@ def limitations(found: Comparison) -> list[str]:
         "proof of optimality is given here, and methods with other curves or paths are not measured against it.",
         "Populations are recorded whole, so a target counts as reached at the end of the generation that reached it.",
         "Seconds to target spread a run's wall time evenly over its evaluations.",
+        f"Wall times are of runs beside one another on all processors, Ruckig's the median of {effort.seeds} calls; they "
+        "depend on the machine, and no test uses them.",
         "Errors on functions below 1e-8 count as 1e-8.",
     ]
     if effort.seeds < 20:

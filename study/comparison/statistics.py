@@ -164,8 +164,8 @@ def friedman(table: ArrayLike) -> Friedman:
 
 
 def smallest_omnibus_p(n_cases: int, n_methods: int) -> float:
-    """Smallest exact p that Friedman's test can give: all cases rank alike, (n_methods!)^(1 - n_cases)."""
-    return math.exp((1 - n_cases) * math.lgamma(n_methods + 1))
+    """Smallest p that Friedman's test can give: all cases rank alike, so that chi-square is n_cases (n_methods - 1)."""
+    return float(stats.chi2.sf(n_cases * (n_methods - 1), n_methods - 1))
 
 
 def smallest_pair_p(n_cases: int) -> float:

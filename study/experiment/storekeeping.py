@@ -68,7 +68,7 @@ class Tally:
 
 
 def verify(path: Path) -> tuple[int, list[str]]:
-    """Read the whole file: every page, every row against its checksum; count the rows and name the damaged ones.
+    """Read the whole file: every page, every result and trial against its checksum; count them and name the damaged ones.
 
     Raises
     ------
@@ -87,7 +87,16 @@ def verify(path: Path) -> tuple[int, list[str]]:
         orphans = "SELECT count(*) FROM payloads WHERE id NOT IN (SELECT id FROM results)"
         if lost := connection.execute(orphans).fetchone()[0]:
             damaged.append(f"{lost} payloads without a result")
-    return checked, damaged
+        trials = _trials(connection)
+    return checked + len(trials), damaged + [name for name, intact in trials if not intact]
+
+
+def _trials(connection: sqlite3.Connection) -> list[tuple[str, bool]]:
+    """Name the trials of bare searches, and say whether they match their checksums; older files have no checksums there."""
+    if "digest" not in [row[1] for row in connection.execute("PRAGMA table_info(trials)")]:
+        return []
+    rows = connection.execute("SELECT digest, key, trial, value, reason FROM trials")
+    return [(f"trial {row[1]}", row_digest(tuple(row), "", b"") == digest) for digest, *row in rows]
 
 
 def _reader(path: Path) -> sqlite3.Connection:
@@ -184,7 +193,7 @@ def merge(path: Path, other: Path) -> Merged:
         raise StudyError(f"there are no results at {other}")
     if path.exists() and path.samefile(other):
         raise StudyError(f"{path} cannot be merged into itself")
-    count, damaged = verify(other)
+    _, damaged = verify(other)
     if damaged:
         raise StudyError(f"results file {other} is damaged: {damaged[0]}; nothing was merged")
     with Store(path, {}) as store, explained(path):
@@ -195,6 +204,7 @@ def merge(path: Path, other: Path) -> Merged:
             known, contrary = (
                 connection.execute(f"SELECT count(*) {same} {sign} theirs.digest").fetchone()[0] for sign in ("=", "!=")
             )
+            count = connection.execute("SELECT count(*) FROM other.results").fetchone()[0]
             _copy(connection)
         connection.execute("DETACH other")
     return Merged(count - known - contrary, known, contrary)
@@ -213,9 +223,11 @@ def _copy(connection: sqlite3.Connection) -> None:
         (first,),
     )
     for name, definition in connection.execute("SELECT name, sql FROM other.sqlite_master WHERE name = 'trials'"):
-        if not connection.execute("SELECT 1 FROM main.sqlite_master WHERE name = ?", (name,)).fetchone():
+        ours = connection.execute("SELECT sql FROM main.sqlite_master WHERE name = ?", (name,)).fetchone()
+        if ours is None:
             connection.execute(definition)
-        connection.execute("INSERT OR IGNORE INTO main.trials SELECT * FROM other.trials")
+        if ours in (None, (definition,)):  # an older version's trials are asked for no more
+            connection.execute("INSERT OR IGNORE INTO main.trials SELECT * FROM other.trials")
 
 
 def compact(path: Path, *, drop_stale: bool = False) -> tuple[int, int]:
