@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
 import numpy as np
 import pytest
 
-from study.bench import growth, papers_way, wording
+from study.bench import growth, papers_way, searches, wording
 from study.bench.growth import Point, peak_bytes
 from study.bench.kernels import peaks_call, sample
 from study.bench.measuring import Limit, Ratio, interleaved, unmet
@@ -117,6 +120,36 @@ def test_a_search_calls_its_objective_once_for_each_generation() -> None:
     sizes: list[int] = []
     minimise(PSO_STANDARD.search, counted(sizes), Box(-np.ones(5), np.ones(5)), 50, np.random.default_rng(0))
     assert sizes == [50] * 20
+
+
+def lines_run(search: str, population: int, monkeypatch: pytest.MonkeyPatch) -> int:
+    """How many lines of Python a search runs for ten generations."""
+    seen = 0
+
+    def trace(frame: FrameType, event: str, _: Any) -> Any:
+        nonlocal seen
+        seen += event == "line"
+        return trace
+
+    monkeypatch.setattr(searches, "POPULATION", population)
+    call, before = searches.ours(search, generations=10), sys.gettrace()
+    sys.settrace(trace)
+    try:
+        call()
+    finally:
+        sys.settrace(before)
+    return seen
+
+
+WALKING = {"gold-sa", "golds-pso", "chaotic-spso"}
+"""Searches that step through their candidates: golden sections after every evaluation, a chaotic map once at the start."""
+
+
+@pytest.mark.parametrize("search", [name for name in searches.SEARCHES if name not in WALKING])
+def test_no_search_loops_over_its_candidates(search: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Counted work: a population four times as large runs as many lines."""
+    few, many = (lines_run(search, population, monkeypatch) for population in (20, 80))
+    assert many < 1.1 * few
 
 
 @pytest.mark.parametrize(("curve", "arrays"), [("poly353", 60), ("cubic-spline", 10), ("bspline", 50)])
