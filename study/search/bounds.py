@@ -14,7 +14,7 @@ from study.search.loop import Box
 Moved = tuple[Floats, Floats]
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=8)
 def walls(box: Box, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
     """Lower and upper bounds repeated for a population of that shape.
 

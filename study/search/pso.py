@@ -117,7 +117,7 @@ class Flight:
         return np.minimum(np.maximum(velocities, slowest), fastest)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=8)
 def _clamps(flight: Flight, box: Box, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
     """Least and greatest velocities repeated for a population of that shape, as `study.search.bounds.walls`."""
     limit = np.broadcast_to(flight.clamp * box.width if flight.unit == "share" else flight.clamp, shape)
