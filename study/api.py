@@ -10,7 +10,7 @@ import numpy as np
 
 from study.errors import StudyError
 from study.experiment.execution import Task, execute, usual_settings
-from study.experiment.registry import planner_named
+from study.experiment.registry import planner_named, planner_names
 from study.experiment.results import Cell, Result
 from study.io.export import write_motion
 from study.judge import Verdict
@@ -146,8 +146,8 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
     StudyError
         If there is no such planner. A planner that fails, or lacks a package, is a result with a reason.
     """
-    if planner != "auto":
-        planner_named(planner)
+    if planner != "auto" and planner not in planner_names():
+        planner_named(planner)  # which says what there is
     tried: list[tuple[str, str, Result]] = []
     for name, why in automatic(problem) if planner == "auto" else [(planner, "it was asked for")]:
         tried.append((name, why, _run(problem, name, settings or usual_settings(problem))))
@@ -201,8 +201,8 @@ def compare(
 def _seeds(name: str, seeds: int) -> range:
     try:
         return range(seeds if planner_named(name).stochastic else 1)
-    except StudyError as error:
-        if str(error).startswith("no planner"):
+    except StudyError:
+        if name not in planner_names():
             raise
         return range(1)  # its result says what is missing
 

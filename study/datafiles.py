@@ -6,10 +6,17 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-import yaml
-from pydantic import BaseModel, ConfigDict, ValidationError
-
 from study.errors import StudyError
+
+try:
+    import yaml
+    from pydantic import BaseModel, ConfigDict, ValidationError
+except ModuleNotFoundError as error:
+    raise ModuleNotFoundError(
+        "cases from files and those of the papers need the Python packages pydantic and pyyaml; install them with: "
+        "pip install pydantic pyyaml",
+        name=error.name,
+    ) from None
 
 PACKAGE = Path(__file__).resolve().parent
 

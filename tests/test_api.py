@@ -125,7 +125,22 @@ class Missing(importlib.abc.MetaPathFinder):
             raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
 sys.meta_path.insert(0, Missing())
 """
-KNOWN = {"pydantic", "yaml", "typer", "rich", "toppra", "ruckig", "rerun", "matplotlib", "pandas", "pyarrow", "jinja2"}
+KNOWN = {
+    "pydantic",
+    "yaml",
+    "typer",
+    "rich",
+    "toppra",
+    "ruckig",
+    "rerun",
+    "matplotlib",
+    "pandas",
+    "pyarrow",
+    "jinja2",
+} | {
+    "copp_py",
+    "cmaes",
+}
 
 
 def without_packages(code):
@@ -144,6 +159,40 @@ print(plan(problem).duration, plan(problem, "ruckig-stops").reason, compare(prob
     assert ended.returncode == 0, ended.stderr
     assert ended.stdout.startswith("2.59")
     assert "need the package 'ruckig', which is not installed; install it with: pip install ruckig" in ended.stdout
+
+
+@pytest.mark.parametrize(
+    ("code", "sentence"),
+    [
+        (
+            "from study.adapters import objective",
+            "need the Python packages pydantic and pyyaml; install them with: pip",
+        ),
+        ("from study.experiment.cases import load_case", "need the Python packages pydantic and pyyaml"),
+        (
+            "from study.io.rows import read_rows; from pathlib import Path; read_rows(Path('a.yaml'))",
+            "pip install pyyaml",
+        ),
+    ],
+)
+def test_what_needs_more_packages_names_them(code, sentence, tmp_path):
+    (tmp_path / "a.yaml").write_text("- [1, 2]\n")
+    ended = without_packages(f"import os; os.chdir({str(tmp_path)!r})\n{code}")
+    assert ended.returncode == 1
+    assert sentence in ended.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize("planner", ["toppra", "copp", "cma-es", "ruckig-via"])
+def test_a_planner_without_its_package_is_a_result_with_a_reason(planner):
+    code = f"""
+import numpy as np
+from study import JointLimits, Problem, plan
+limits = JointLimits(np.ones(2), 2 * np.ones(2), 9 * np.ones(2))
+print(plan(Problem("mine", np.array([[0.0, 0], [1, 1], [0.5, 2]]), limits), {planner!r}).reason)
+"""
+    ended = without_packages(code)
+    assert ended.returncode == 0, ended.stderr
+    assert "install it with" in ended.stdout
 
 
 def test_the_command_says_what_it_lacks():
