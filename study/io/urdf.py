@@ -1,8 +1,9 @@
-"""Joints, limits and frames of a URDF file: serial chains of revolute, continuous, prismatic and fixed joints.
+"""Joints, limits, frames and meshes of a URDF file: chains of revolute, continuous, prismatic and fixed joints.
 
 References
 ----------
 ROS, urdf/XML/joint: origin xyz and rpy, axis, limit lower, upper and velocity; rpy turns about fixed x, then y, then z.
+ROS, urdf/XML/link: visual, its origin, geometry/mesh filename and scale.
 """
 
 from __future__ import annotations
@@ -47,11 +48,32 @@ class UrdfJoint:
 
 
 @dataclass(frozen=True, eq=False)
+class UrdfMesh:
+    """A mesh that a link is shown as.
+
+    Attributes
+    ----------
+    link : str
+    file : str
+        As the file states it: a path, or `package://NAME/PATH`.
+    origin : array of shape (4, 4), m
+        From the link's frame to the mesh's.
+    scale : array of shape (3,)
+    """
+
+    link: str
+    file: str
+    origin: Floats
+    scale: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class Urdf:
-    """A robot description: its name and joints in the file's order."""
+    """A robot description: its name, and joints and meshes in the file's order."""
 
     name: str
     joints: tuple[UrdfJoint, ...]
+    meshes: tuple[UrdfMesh, ...] = ()
 
     @property
     def moving(self) -> tuple[UrdfJoint, ...]:
@@ -70,14 +92,26 @@ class Urdf:
         for name in names:
             if name not in by_name:
                 raise unknown(f"joint in URDF {self.name!r}:", name, by_name)
-        above = {joint.child: joint for joint in self.joints}
-        path = [by_name[names[-1]]]
-        while path[0].parent in above:
-            path.insert(0, above[path[0].parent])
-            if len(path) > len(self.joints):
-                raise StudyError(f"URDF {self.name!r}: its links form a loop; only trees can be read")
+        path = self.above(by_name[names[-1]].child)
         if [joint.name for joint in path if joint.name in names] != list(names):
             raise StudyError(f"URDF {self.name!r}: joints {', '.join(names)} do not follow each other on one chain")
+        return path
+
+    def above(self, link: str) -> tuple[UrdfJoint, ...]:
+        """All joints from the root to a link.
+
+        Raises
+        ------
+        StudyError
+            If the links form a loop.
+        """
+        by_child = {joint.child: joint for joint in self.joints}
+        path: list[UrdfJoint] = []
+        while link in by_child:
+            path.insert(0, by_child[link])
+            link = path[0].parent
+            if len(path) > len(self.joints):
+                raise StudyError(f"URDF {self.name!r}: its links form a loop; only trees can be read")
         return tuple(path)
 
 
@@ -103,7 +137,13 @@ def read_urdf(path: Path) -> Urdf:
     joints = tuple(_joint(element, where) for element in root.findall("joint"))
     if not joints:
         raise StudyError(f"{where} has no joints; give the URDF of an arm")
-    return Urdf(root.get("name", path.stem), joints)
+    meshes = tuple(
+        _mesh(link.get("name", ""), visual, mesh, where)
+        for link in root.findall("link")
+        for visual in link.findall("visual")
+        if (mesh := visual.find("geometry/mesh")) is not None
+    )
+    return Urdf(root.get("name", path.stem), joints, meshes)
 
 
 def _joint(element: ET.Element, where: str) -> UrdfJoint:
@@ -127,6 +167,12 @@ def _joint(element: ET.Element, where: str) -> UrdfJoint:
         raise StudyError(f"{here}: its axis has no length")
     axis = axis / (np.linalg.norm(axis) or 1.0)
     return UrdfJoint(name, kind, links[0], links[1], _transform(offset, angles), axis, **values)
+
+
+def _mesh(link: str, visual: ET.Element, mesh: ET.Element, where: str) -> UrdfMesh:
+    here, origin = f"{where}, link {link!r}", visual.find("origin")
+    place = _transform(_triple(origin, "xyz", (0, 0, 0), here), _triple(origin, "rpy", (0, 0, 0), here))
+    return UrdfMesh(link, mesh.get("filename", ""), place, _triple(mesh, "scale", (1, 1, 1), here))
 
 
 def _number(element: ET.Element | None, key: str, where: str) -> float | None:

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from study.errors import StudyError
-from study.io.urdf import UrdfJoint, read_urdf, turn
+from study.io.urdf import Urdf, UrdfJoint, read_urdf, turn
 from study.problem import Floats
 from study.robots.chain import Robot
+from study.robots.meshes import Shape, shapes_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,9 +23,15 @@ class UrdfRobot(Robot):
     ----------
     steps : tuple of tuple of UrdfJoint
         For every moving joint the joints from the one before it on: fixed ones, and itself last.
+    shapes : tuple of Shape
+        Meshes that stand for the links; none where the file names none or not all of them can be shown.
+    missing : str
+        Why they cannot be shown, or empty.
     """
 
     steps: tuple[tuple[UrdfJoint, ...], ...] = ()
+    shapes: tuple[Shape, ...] = ()
+    missing: str = ""
 
     def _steps(self, q: Floats) -> Floats:
         """Transforms from every frame to the next, shape (n, n_joints, 4, 4)."""
@@ -72,6 +79,7 @@ def urdf_robot(path: Path, names: Sequence[str] = ()) -> UrdfRobot:
     steps = tuple(tuple(group) for group in groups if group)
     movers = [group[-1] for group in steps]
     zeros = np.zeros(len(movers))
+    shapes, missing = _shapes(urdf, names, path)
     lowest = [-np.inf if mover.lower is None else mover.lower for mover in movers]
     highest = [np.inf if mover.upper is None else mover.upper for mover in movers]
     return UrdfRobot(
@@ -86,4 +94,14 @@ def urdf_robot(path: Path, names: Sequence[str] = ()) -> UrdfRobot:
         theta=zeros,
         range=np.array([lowest, highest]),
         steps=steps,
+        shapes=shapes,
+        missing=missing,
     )
+
+
+def _shapes(urdf: Urdf, names: Sequence[str], path: Path) -> tuple[tuple[Shape, ...], str]:
+    """All meshes, or none and why: an arm with some of its links left out would be taken for another one."""
+    try:
+        return shapes_of(urdf, names, path), ""
+    except StudyError as error:
+        return (), str(error)

@@ -53,7 +53,7 @@ def record_case(case: Case, results: Sequence[Result], path: Path, samples: int 
     with recording_file(path, case.name) as stream:
         log_metadata(stream, contents)
         scene = log_scene(stream, contents)
-        log_summary(stream, contents, None if scene is None else scene.fastest)
+        log_summary(stream, contents, "" if scene is None else scene.words)
         log_signals(stream, contents)
         log_activity(stream, contents)
         log_convergence(stream, contents)

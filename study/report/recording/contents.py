@@ -23,6 +23,9 @@ NANOSECOND = 1e-9
 FIRST_LOOK = 6
 """How many arms the first look has room for."""
 
+FEW = 3
+"""Fewer featured methods than this are joined by the next in rank."""
+
 PALETTE = (
     (78, 166, 230),
     (255, 159, 64),
@@ -155,8 +158,12 @@ class Contents:
 
     @property
     def compared(self) -> tuple[Shown, ...]:
-        """Featured methods that fit into one plot: no infeasible ones but the published, none far slower."""
-        judged = [one for one in self.featured if one.feasible or one.published]
+        """Featured methods, or the first look's where they are few, that fit into one plot.
+
+        No infeasible ones but the published, and none far slower.
+        """
+        wanted = self.featured if len(self.featured) >= FEW else self.first_look
+        judged = [one for one in wanted if one.feasible or one.published]
         reference = self.chosen.reference
         slowest = 2.5 * (reference.duration or np.inf) if reference is not None else np.inf
         return tuple(one for one in judged if one.motion.duration <= slowest) or self.first_look

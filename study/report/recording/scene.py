@@ -8,12 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 import rerun as rr
 
+from study.errors import StudyError
 from study.experiment.obstacles import world_of
 from study.pathfinding.world import arm_clearance
 from study.problem import Floats
 from study.report.recording.contents import NANOSECOND, Contents, Shown, seconds
+from study.report.recording.meshes import log_meshes, mesh_contents
 from study.report.recording.stream import LIMIT_COLOR, entity, method, time_column
 from study.robots import Robot, robot_named
+from study.robots.urdf import UrdfRobot
 
 SLOW_TO_FAST = np.array(
     [(70, 40, 120), (60, 82, 170), (40, 130, 170), (40, 170, 140), (120, 205, 90), (250, 230, 60)], dtype=float
@@ -31,22 +34,27 @@ FEW_WAYPOINTS = 6
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Where to look from: the eye and what it looks at, arrays of shape (3,), m; and the tool's fastest instant, m/s."""
+    """Where to look from: the eye and what it looks at, arrays of shape (3,), m; and a sentence or two on what is seen."""
 
     eye: Floats
     target: Floats
-    fastest: float
+    words: str
 
 
 @dataclass(frozen=True, eq=False)
 class _Arm:
-    """One method's arm: times (n,) ns, joint places (n, n_links + 1, 3), tool speeds (n,), tool places at waypoints."""
+    """One method's arm: times (n,) ns, frames (n, n_links + 1, 4, 4), tool speeds (n,), tool places at waypoints."""
 
     one: Shown
     times: np.ndarray
-    chain: Floats
+    frames: Floats
     speeds: Floats
     waypoints: Floats
+
+    @property
+    def chain(self) -> Floats:
+        """Places of the frames, shape (n, n_links + 1, 3), m."""
+        return self.frames[:, :, :3, 3]
 
 
 def log_scene(stream: rr.RecordingStream, contents: Contents) -> Scene | None:
@@ -59,17 +67,18 @@ def log_scene(stream: rr.RecordingStream, contents: Contents) -> Scene | None:
     reach = float(np.linalg.norm(np.ptp(points, axis=0)))
     fastest = max(float(arm.speeds.max()) for arm in arms)
     stream.log("arms", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    remark = _log_bodies(stream, robot, arms, 0.016 * reach)
     for arm in arms:
         path = entity("arms", method(arm.one.label))
-        _log_links(stream, path, arm, 0.016 * reach)
         _log_path(stream, path, arm, fastest, 0.004 * reach)
     if len(contents.case.obstacles):
         low, high = np.moveaxis(contents.case.obstacles, 1, 0)
         stream.log(OBSTACLES, rr.Boxes3D(mins=low, sizes=high - low, colors=OBSTACLE_COLOR), static=True)
         _log_clearance(stream, contents, arms)
+    words = f"Tool paths: dark where slow, yellow at {fastest:.3g} m/s.{remark}"
     near = [arm for arm in arms if arm.one in contents.first_look]
     seen = np.concatenate([*(arm.chain.reshape(-1, 3) for arm in near), contents.case.obstacles.reshape(-1, 3)])
-    return Scene(*_looking(seen, np.concatenate([arm.chain[:, -1] for arm in near])), fastest)
+    return Scene(*_looking(seen, np.concatenate([arm.chain[:, -1] for arm in near])), words)
 
 
 def _log_clearance(stream: rr.RecordingStream, contents: Contents, arms: Sequence[_Arm]) -> None:
@@ -110,15 +119,28 @@ def _looking(points: Floats, tool: Floats) -> tuple[Floats, Floats]:
 def _arm(robot: Robot, contents: Contents, one: Shown) -> _Arm:
     end = np.floor(one.motion.duration / NANOSECOND)
     times = np.rint(np.linspace(0.0, end, contents.samples)).astype(np.int64)
-    chain = _chain(robot, contents, one.motion(seconds(times)))
-    waypoints = _chain(robot, contents, contents.case.problem.waypoints)[:, -1]
-    velocity = np.gradient(chain[:, -1], seconds(times), axis=0)
-    return _Arm(one, times, chain, np.linalg.norm(velocity, axis=1), waypoints)
+    frames, there = (
+        robot.frames(contents.case.robot_configuration(q))
+        for q in (one.motion(seconds(times)), contents.case.problem.waypoints)
+    )
+    velocity = np.gradient(frames[:, -1, :3, 3], seconds(times), axis=0)
+    return _Arm(one, times, frames, np.linalg.norm(velocity, axis=1), there[:, -1, :3, 3])
 
 
-def _chain(robot: Robot, contents: Contents, q: Floats) -> Floats:
-    """Origins of the base and of every link's frame, shape (n, n_links + 1, 3), m."""
-    return robot.frames(contents.case.robot_configuration(q))[:, :, :3, 3]
+def _log_bodies(stream: rr.RecordingStream, robot: Robot, arms: Sequence[_Arm], radius: float) -> str:
+    """Draw all arms as the meshes of the robot's own description, or as capsules; say why, where meshes are wanting."""
+    shapes, reason = (robot.shapes, robot.missing) if isinstance(robot, UrdfRobot) else ((), "")
+    try:
+        contents = mesh_contents(shapes, len(arms))
+    except StudyError as error:
+        shapes, reason = (), str(error)
+    for arm in arms:
+        path = entity("arms", method(arm.one.label))
+        if shapes:
+            log_meshes(stream, path + "/links", shapes, contents, (arm.times, arm.frames), arm.one.color)
+        else:
+            _log_links(stream, path, arm, radius)
+    return f" Links are drawn as capsules: {reason}." if reason else ""
 
 
 def _log_links(stream: rr.RecordingStream, path: str, arm: _Arm, radius: float) -> None:

@@ -25,24 +25,24 @@ GAP_FLOOR = 1e-6
 """Relative gaps below the judge's tolerance are drawn at it."""
 
 
-def log_summary(stream: rr.RecordingStream, contents: Contents, fastest: float | None = None) -> None:
+def log_summary(stream: rr.RecordingStream, contents: Contents, scene: str = "") -> None:
     """Write the Markdown table to `/summary`, the ladder of lost time to `/ladder`, all durations to `/durations`.
 
     Parameters
     ----------
     stream : rerun.RecordingStream
     contents : Contents
-    fastest : float, m/s, optional
-        Speed of the tool's fastest instant, where arms are drawn.
+    scene : str
+        What is to be said of the arms, where some are drawn.
     """
-    log_standings(stream, contents, fastest)
+    log_standings(stream, contents, scene)
     bars = ladder_bars(contents)
     log_bars(stream, "ladder", bars, bars_pitch(len(bars), LADDER_ROOM))
 
 
-def log_standings(stream: rr.RecordingStream, contents: Contents, fastest: float | None = None) -> None:
+def log_standings(stream: rr.RecordingStream, contents: Contents, scene: str = "") -> None:
     """Write the table and the durations; written again, both replace what stood there."""
-    text = rr.TextDocument(markdown(contents, fastest), media_type=rr.MediaType.MARKDOWN)
+    text = rr.TextDocument(markdown(contents, scene), media_type=rr.MediaType.MARKDOWN)
     stream.log("summary", text, static=True)
     bars = [Bar(o.label, o.title, o.motion.duration, o.color) for o in contents.shown]
     log_bars(stream, "durations", bars, bars_pitch(len(bars)))
@@ -185,14 +185,14 @@ def _arrivals(contents: Contents, lines: list[Line]) -> list[Line]:
     return found
 
 
-def markdown(contents: Contents, fastest: float | None = None) -> str:
+def markdown(contents: Contents, scene: str = "") -> str:
     """Summarise the case: what it asks, who wins, and every method's verdict."""
     case, problem = contents.case, contents.case.problem
     lines = [
         f"# {plain(case.title)}",
         f"{problem.n_waypoints} waypoints, {problem.n_joints} joints. {_winner(contents)}",
         "",
-        _key(fastest),
+        _key(scene),
         "",
         "| Method | Verdict | Time | Gap | Path | Evaluations |",
         "|:--|:--|--:|--:|:--|--:|",
@@ -210,10 +210,11 @@ def _winner(contents: Contents) -> str:
     return f"**Fastest feasible: {plain(feasible[0].label)}, {seconds(feasible[0].duration)}.**"
 
 
-def _key(fastest: float | None) -> str:
+def _key(scene: str) -> str:
     """Say what the colours and marks of the other views mean."""
-    speed = "" if fastest is None else f" Tool paths: dark where slow, yellow at {fastest:.3g} m/s."
-    return f"A method has one colour everywhere. Red lines are limits, diamonds mark where one is used up.{speed}"
+    return (
+        f"A method has one colour everywhere. Red lines are limits, diamonds mark where one is used up. {plain(scene)}"
+    )
 
 
 def _row(entry: Entry) -> str:

@@ -1,0 +1,87 @@
+"""Where the meshes are that a URDF file names, and how each of them moves with the arm."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import unquote
+
+import numpy as np
+
+from study.errors import StudyError
+from study.io.urdf import Urdf, UrdfMesh
+from study.problem import Floats
+
+KINDS = (".stl", ".obj", ".glb", ".dae")
+"""Formats that the viewer can show."""
+
+_PACKAGES = ("package://", "model://")
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A mesh that moves with one of an arm's frames.
+
+    Attributes
+    ----------
+    frame : int
+        Place among the arm's frames, the base first.
+    place : array of shape (4, 4), m
+        From that frame to the mesh's.
+    scale : array of shape (3,)
+    path : Path
+    """
+
+    frame: int
+    place: Floats
+    scale: Floats
+    path: Path
+
+
+def shapes_of(urdf: Urdf, names: Sequence[str], file: Path) -> tuple[Shape, ...]:
+    """Find all meshes of an arm and what each of them is fixed to; joints that are not named stand at zero.
+
+    Parameters
+    ----------
+    urdf : Urdf
+    names : sequence of str
+        Joints that move, from the base on.
+    file : Path
+        The URDF file, beside which the meshes are.
+
+    Raises
+    ------
+    StudyError
+        If a mesh is missing or has a format that the viewer cannot show.
+    """
+    return tuple(_shape(urdf, mesh, names, file) for mesh in urdf.meshes)
+
+
+def _shape(urdf: Urdf, mesh: UrdfMesh, names: Sequence[str], file: Path) -> Shape:
+    frame, place = 0, np.eye(4)
+    for joint in urdf.above(mesh.link):
+        place = place @ joint.origin
+        if joint.name in names:
+            frame, place = list(names).index(joint.name) + 1, np.eye(4)
+    return Shape(frame, place @ mesh.origin, mesh.scale, _found(mesh.file, file))
+
+
+def _found(name: str, file: Path) -> Path:
+    """The mesh file of a name: beside the URDF file, or in a package that one of the folders above it holds or is."""
+    if Path(name).suffix.lower() not in KINDS:
+        raise StudyError(f"{name!r} is no mesh that the viewer can show, which are {', '.join(KINDS)}")
+    folder, package = file.resolve().parent, next((one for one in _PACKAGES if name.startswith(one)), None)
+    if package is None:
+        places = [folder / unquote(name.removeprefix("file://"))] if name.startswith("file://") else [folder / name]
+    else:
+        first, _, rest = name.removeprefix(package).partition("/")
+        above = [folder, *folder.parents]
+        places = [one / first / rest for one in above] + [one / rest for one in above if one.name == first]
+    for place in places:
+        try:
+            if place.is_file():
+                return place
+        except (OSError, ValueError):  # too long for this system, or with a zero byte
+            break
+    raise StudyError(f"{name!r} is not there")
