@@ -194,6 +194,11 @@ def test_pages_are_self_contained_and_flag_their_searches(whole, tmp_path):
         assert len(ids) == len(set(ids))
         for linked in re.findall(r'href="([^"#][^":]*)"', text):
             assert linked == "data:," or (tmp_path / "comparison" / linked).exists() or linked == "../index.html"
+    for name, records in tables_of(flagged).items():
+        key = next(
+            (key for key in ("planner", "search") if key in records[0]), None
+        )  # the ablations' forms are no planners
+        assert key is None or all(one["flag"] == flagged.flags.get(one[key], "") for one in records), name
     for slug in ("targets", "tests", "audit"):
         text = (tmp_path / "comparison" / f"{slug}.html").read_text()
         assert 'pso <abbr title="its result &lt;depends&gt; on a test">⚑</abbr>' in text

@@ -52,9 +52,11 @@ def _interval(found: Interval | None) -> str:
     return f"{percent(found.estimate)} ({percent(found.lower)} to {percent(found.upper)})"
 
 
-def reference_grid(found: Iterable[Reference]) -> Grid:
+def reference_grid(found: Iterable[Reference], flags: Mapping[str, str]) -> Grid:
     """Say what the targets of every case are fractions above."""
-    rows = [(one.case, seconds(one.value), one.label, one.curve, "all joints together") for one in found]
+    rows = [
+        (one.case, seconds(one.value), name_of(one.label, flags), one.curve, "all joints together") for one in found
+    ]
     return Grid(
         "The best known of every case: the shortest motion on the paper's curve family, all joints together, that the judge "
         "found feasible. Targets and gaps of both formulations are shares above it.",
@@ -72,15 +74,20 @@ def target_grid(case: str, found: Sequence[Performance], flags: Mapping[str, str
             f"{one.feasible}/{len(one.contestant.durations)}",
             percent(one.gap),
             *(_evaluations(value) for value in one.evaluations),
-            *(micro(one.seconds[k]) if np.isfinite(one.seconds[k]) else "never" for k in (2, 4)),
+            *(micro(value) if np.isfinite(value) else "never" for value in one.seconds),
             micro(float(np.median(one.contestant.wall))),
         )
         for one in found
     ]
+    targets = [target_name(target) for target in TARGETS]
     head = (
-        "Planner", "Feasible", "Median gap", *(f"to {target_name(t)}" for t in TARGETS),
-        f"time to {target_name(TARGETS[2])}", f"time to {target_name(TARGETS[4])}", "Wall",
-    )  # fmt: skip
+        "Planner",
+        "Feasible",
+        "Median gap",
+        *(f"to {t}" for t in targets),
+        *(f"time to {t}" for t in targets),
+        "Wall",
+    )
     return Grid(
         f"{case}: average evaluations to every target with restarts, then seconds; best median first.", head, rows
     )
@@ -263,8 +270,8 @@ def claim_grid(found: Sequence[Counterpart], flags: Mapping[str, str]) -> Grid:
         "Against the optimum", "Ruckig, stopping: time, wall", "Wall of the search",
     )  # fmt: skip
     return Grid(
-        "The headline claims beside their honest counterparts. Ours is the median of the search run the paper's own way at the "
-        "budget of this comparison. Its opponent and random search have the same budget and seeds: median difference of the "
+        "The headline claims beside their honest counterparts. Ours is the median total of the search run the paper's own way at "
+        "the budget of this comparison, infeasible motions included, since the paper would have counted them. Its opponent and random search have the same budget and seeds: median difference of the "
         "totals (95 % by bootstrap; less is shorter), A12 the probability that a run of ours is shorter, signed rank p adjusted by "
         "Holm for the claims. The optimum is the best known on the paper's curve with all joints together. Ruckig may choose its "
         "own path and must stop at every waypoint.",

@@ -80,11 +80,10 @@ def write_pages(found: Comparison, out: Path, environment: Mapping[str, str]) ->
         "audit": _audit_page(found),
         "ablations": _ablations_page(found),
     }
-    linked = (out.parent / "index.html").is_file()
     shared = {
         "limits": sentences.limitations(found),
         "files": list(tables),
-        "linked": linked,
+        "linked": (out.parent / "index.html").is_file(),
         "environment": environment,
     }
     segments = {name: case.problem.n_segments for name, case in found.cases.items()}
@@ -106,14 +105,14 @@ def tables_of(found: Comparison) -> dict[str, list[records.Record]]:
     """Collect all findings as flat records, by the name of their file."""
     runs = [one for level in (*found.levels.values(), found.solvers) for one in level]
     return {
-        "runs": records.run_records(runs),
+        "runs": records.run_records(runs, found.flags),
         "targets": [r for level in found.measured.values() for r in records.performance_records(level, found.flags)],
         "pairs": [r for level in found.pairings.values() for r in records.pairing_records(level, found.flags)],
         "ranks": records.rank_records(found.omnibus, found.flags),
         "audit-functions": records.audit_records(found.functions, found.flags),
-        "audit-trajectories": records.view_records(found.trajectories),
+        "audit-trajectories": records.view_records(found.trajectories, found.flags),
         "ablations": records.ablation_records(found.ablations),
-        "claims": records.claim_records(found.claims),
+        "claims": records.claim_records(found.claims, found.flags),
     }
 
 
@@ -132,7 +131,9 @@ def _render(page: Page, context: Mapping[str, object]) -> str:
 
 
 def _claims_page(found: Comparison) -> Page:
-    velocity_only = [one.headline.case for one in found.claims if not _accelerations_limited(found, one.headline.case)]
+    limits = {name: case.problem.limits for name, case in found.cases.items()}
+    own = [one.headline.case for one in found.claims]
+    velocity_only = [case for case in own if (limits[case].acceleration == float("inf")).any()]
     texts = (
         [
             f"{', '.join(velocity_only)}: the paper limits velocity but not acceleration, so off its curve a motion may change "
@@ -141,10 +142,9 @@ def _claims_page(found: Comparison) -> Page:
         if velocity_only
         else []
     )
-    answer = sentences.summary(found)
     return Page(
         "A fair comparison of five papers' searches",
-        answer,
+        sentences.summary(found),
         [
             "Each paper's claim compares its search with an opponent, or with durations, of its own choice; the columns to the "
             "right compare it with what could be had: a search that knows nothing, the optimum, and a solver that needs no search.",
@@ -162,10 +162,6 @@ def _claims_page(found: Comparison) -> Page:
     )
 
 
-def _accelerations_limited(found: Comparison, case: str) -> bool:
-    return bool((found.cases[case].problem.limits.acceleration < float("inf")).all())
-
-
 def _styles(found: Comparison) -> dict[str, int]:
     """Styles of the lines worth telling apart: the trivial opponents that move, PSO, and the best searches by rank."""
     ranked = found.omnibus[0].planners if found.omnibus else tuple(one.planner for one in found.levels["scaled"])
@@ -178,21 +174,20 @@ def _targets_page(found: Comparison) -> Page:
     styles = _styles(found)
     legend = [(style, name) for name, style in styles.items()]
     segments = {name: case.problem.n_segments for name, case in found.cases.items()}
-    sections = [Section("References", grids=[grids.reference_grid(found.references.values())])]
+    sections = [Section("References", grids=[grids.reference_grid(found.references.values(), found.flags)])]
     for level, measured in found.measured.items():
         shares = distributions(measured, segments)
         drawn = [figures.distribution(f"ecdf-{level}", shares, styles)] if shares else []
         sections.append(
             Section(f"Targets reached, {level} formulation", [f"{level}: {LEVELS[level]}."], drawn, legend=legend)
         )
-        cases = list(found.references)
         sections.append(
             Section(
                 f"Time to target and anytime curves, {level} formulation",
-                figures=[_anytime(found, level, case, i, styles) for i, case in enumerate(cases)],
+                figures=[_anytime(found, level, case, i, styles) for i, case in enumerate(found.references)],
                 grids=[
                     grids.target_grid(case, [one for one in measured if one.contestant.case == case], found.flags)
-                    for case in cases
+                    for case in found.references
                 ],
                 legend=legend,
             )

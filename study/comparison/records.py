@@ -28,13 +28,14 @@ def target_name(target: float) -> str:
     return f"{100 * target:g} %"
 
 
-def run_records(found: Sequence[Contestant]) -> list[Record]:
+def run_records(found: Sequence[Contestant], flags: Mapping[str, str]) -> list[Record]:
     """One record for every run; the seed is its place."""
     return [
         {
             "level": one.level,
             "case": one.case,
             "planner": one.planner,
+            "flag": flags.get(one.planner, ""),
             "seed": seed,
             "duration_s": _finite(one.durations[seed]),
             "feasible": bool(np.isfinite(one.durations[seed])),
@@ -121,11 +122,12 @@ def audit_records(found: Sequence[FunctionFinding], flags: Mapping[str, str]) ->
     ]
 
 
-def view_records(found: Sequence[TrajectoryFinding]) -> list[Record]:
+def view_records(found: Sequence[TrajectoryFinding], flags: Mapping[str, str]) -> list[Record]:
     """One record for every search, case, formulation and view."""
     return [
         {
             "search": one.search,
+            "flag": flags.get(one.search, ""),
             "case": one.case,
             "formulation": one.formulation,
             "view": one.view,
@@ -160,13 +162,14 @@ def ablation_records(found: Sequence[AblationFinding]) -> list[Record]:
     ]
 
 
-def claim_records(found: Sequence[Counterpart]) -> list[Record]:
+def claim_records(found: Sequence[Counterpart], flags: Mapping[str, str]) -> list[Record]:
     """One record for every headline claim."""
     return [
         {
             "paper": one.headline.paper,
             "case": one.headline.case,
             "planner": one.planner,
+            "flag": flags.get(one.planner, ""),
             "printed_saving": one.printed_saving,
             "against": one.headline.against,
             "printed_total_s": one.total,
