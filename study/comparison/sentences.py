@@ -14,6 +14,7 @@ from study.comparison.claims import Against, Counterpart
 from study.comparison.contestants import ALWAYS_SCALED, TRIVIAL
 from study.comparison.differences import Omnibus
 from study.comparison.performance import Performance
+from study.comparison.statistics import smallest_pair_p
 from study.report.wording import listed, percent, plural, seconds
 
 
@@ -211,8 +212,9 @@ def limitations(found: Comparison) -> list[str]:
         items.insert(
             0,
             f"Quick mode: {effort.seeds} repetitions of every planner and {effort.trial_seeds} of every trial; a signed rank "
-            f"test of {effort.seeds} pairs cannot give a p below {2.0 ** (1 - effort.seeds):.3g}. Run it with --full for "
-            "30 repetitions and the papers' budgets.",
+            f"test of as many pairs cannot give a p below {smallest_pair_p(effort.seeds):.3g} and "
+            f"{smallest_pair_p(effort.trial_seeds):.3g}, before any adjustment, so that what is not significant here may well be "
+            "there. Run it with --full for 30 repetitions and the papers' budgets.",
         )
     if found.failures:
         broken = listed([f"{name} ({count})" for name, count in sorted(found.failures.items())])
