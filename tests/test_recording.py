@@ -351,13 +351,18 @@ def test_every_arm_of_the_first_look_is_within_the_view_and_fills_it(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     case = load_case(name)
-    scenes: list[tuple[Any, Floats]] = []
+    seen: list[tuple[Any, Floats]] = []
     looking = scene._looking
-    monkeypatch.setattr(
-        scene, "_looking", lambda points, tool: scenes.append((looking(points, tool), points)) or scenes[-1][0]
-    )
+
+    def noted(arms: Any, obstacles: Floats) -> Any:
+        points = np.concatenate([arm.chain.reshape(-1, 3) for arm in arms])
+        seen.append((looking(arms, obstacles), points))
+        return seen[-1][0]
+
+    monkeypatch.setattr(scene, "_looking", noted)
     record_case(case, some_results(case), tmp_path / "a.rrd", samples=20)
-    ((eye, target), points) = scenes[0]
+    (look, points), _ = seen
+    eye, target = look.eye, look.target
     back = (eye - target) / np.linalg.norm(eye - target)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)

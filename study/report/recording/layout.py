@@ -21,7 +21,7 @@ from study.report.recording.pictures import (
     key_bounds,
     key_height,
 )
-from study.report.recording.scene import OBSTACLES, Scene
+from study.report.recording.scene import OBSTACLES, Look, Scene
 from study.report.recording.signals import limit_values
 from study.report.recording.stream import SIGNALS, TIMELINE, entity, method
 from study.report.recording.summary import history, ladder_bars
@@ -43,7 +43,7 @@ def layout(contents: Contents, scene: Scene | None, populations: Sequence[Part] 
     if scene is not None:
         if len(contents.case.obstacles):
             tabs.append(rrb.TimeSeriesView(name="Distance to obstacles, m", origin="clearance"))
-        tabs.append(rrb.Grid(*(_arm(one, scene) for one in contents.shown), name="All arms"))
+        tabs.append(rrb.Grid(*(_arm(one, scene.every) for one in contents.shown), name="All arms"))
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=0),
         rrb.BlueprintPanel(state="hidden"),
@@ -72,7 +72,7 @@ def _overview(contents: Contents, scene: Scene | None) -> rrb.Container:
     )
     if scene is None:
         return rrb.Horizontal(words, plots, column_shares=[2, 3], name="Overview")
-    first = [_arm(one, scene) for one in contents.first_look]
+    first = [_arm(one, scene.first) for one in contents.first_look]
     arms = rrb.Grid(*first, grid_columns=min(3, (len(first) + 1) // 2))
     return rrb.Horizontal(words, rrb.Vertical(arms, plots, row_shares=[3, 2]), column_shares=[2, 3], name="Overview")
 
@@ -108,8 +108,9 @@ def _plot(contents: Contents, order: int, joint: int, only: Sequence[Shown] = ()
     unit = case.units[joint] + ("", "/s", "/s²", "/s³")[order]
     within = [f"+ {entity(SIGNALS[order], joint_name, method(one.label))}/**" for one in only]
     limit = f"+ {entity(SIGNALS[order], joint_name, '_limit')}"
+    free = "" if order == 0 or limit_values(case, order, joint) is not None else " (no limit)"
     return rrb.TimeSeriesView(
-        name=f"{TITLES[order]} of {joint_name}, {unit}",
+        name=f"{TITLES[order]} of {joint_name}, {unit}{free}",
         origin=entity(SIGNALS[order], joint_name),
         contents=[limit, *within] if only else "$origin/**",
         plot_legend=rrb.PlotLegend(visible=False),
@@ -132,9 +133,9 @@ def _axis(case: Case, order: int, joint: int) -> rrb.ScalarAxis | None:
     return rrb.ScalarAxis(range=(1.2 * pair[1], 1.2 * pair[0]), zoom_lock=False)
 
 
-def _arm(one: Shown, scene: Scene) -> rrb.Spatial3DView:
-    """Look at one method's arm; every arm is seen from the same place."""
-    eye = rrb.EyeControls3D(position=scene.eye, look_target=scene.target, eye_up=(0.0, 0.0, 1.0))
+def _arm(one: Shown, look: Look) -> rrb.Spatial3DView:
+    """Look at one method's arm; every arm on a tab is seen from the same place."""
+    eye = rrb.EyeControls3D(position=look.eye, look_target=look.target, eye_up=(0.0, 0.0, 1.0))
     parts = ["$origin/**", f"+ {OBSTACLES}"]
     return rrb.Spatial3DView(name=one.title, origin=entity("arms", method(one.label)), contents=parts, eye_controls=eye)
 
@@ -159,7 +160,9 @@ def _convergence(contents: Contents) -> list[Part]:
 def _activity(contents: Contents) -> list[Part]:
     used = {use.order for one in contents.shown for use in one.uses}
     lanes = [
-        rrb.StateTimelineView(name=f"{rate.capitalize()} limit used up, by joint", origin=entity("activity", rate))
+        rrb.StateTimelineView(
+            name=f"Joints at their {rate} limit, a lane for every method", origin=entity("activity", rate)
+        )
         for order, rate in enumerate(RATES, start=1)
         if order in used
     ]

@@ -33,11 +33,19 @@ FEW_WAYPOINTS = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
-    """Where to look from: the eye and what it looks at, arrays of shape (3,), m; and a sentence or two on what is seen."""
+class Look:
+    """Where to look from: the eye and what it looks at, arrays of shape (3,), m."""
 
     eye: Floats
     target: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Where to look from at the first look's arms and at every feasible one; and a sentence or two on what is seen."""
+
+    first: Look
+    every: Look
     words: str
 
 
@@ -76,9 +84,9 @@ def log_scene(stream: rr.RecordingStream, contents: Contents) -> Scene | None:
         stream.log(OBSTACLES, rr.Boxes3D(mins=low, sizes=high - low, colors=OBSTACLE_COLOR), static=True)
         _log_clearance(stream, contents, arms)
     words = f"Tool paths: dark where slow, yellow at {fastest:.3g} m/s.{remark}"
-    near = [arm for arm in arms if arm.one in contents.first_look]
-    seen = np.concatenate([*(arm.chain.reshape(-1, 3) for arm in near), contents.case.obstacles.reshape(-1, 3)])
-    return Scene(*_looking(seen, np.concatenate([arm.chain[:, -1] for arm in near])), words)
+    first = [arm for arm in arms if arm.one in contents.first_look]
+    feasible = [arm for arm in arms if arm.one.feasible or arm in first]
+    return Scene(_looking(first, contents.case.obstacles), _looking(feasible, contents.case.obstacles), words)
 
 
 def _log_clearance(stream: rr.RecordingStream, contents: Contents, arms: Sequence[_Arm]) -> None:
@@ -98,11 +106,13 @@ def _log_clearance(stream: rr.RecordingStream, contents: Contents, arms: Sequenc
             stream.log(where, rr.Points3D(hits, colors=LIMIT_COLOR, radii=0.4 * contents.case.arm_radius), static=True)
 
 
-def _looking(points: Floats, tool: Floats) -> tuple[Floats, Floats]:
+def _looking(arms: Sequence[_Arm], obstacles: Floats) -> Look:
     """Look across the arms' widest horizontal direction, from the tool's side and a little from above.
 
-    The eye, shape (3,), comes as near as it can with all points within `VIEW`.
+    The eye comes as near as it can with all arms and obstacles within `VIEW`.
     """
+    points = np.concatenate([*(arm.chain.reshape(-1, 3) for arm in arms), obstacles.reshape(-1, 3)])
+    tool = np.concatenate([arm.chain[:, -1] for arm in arms])
     low, high = points.min(axis=0), points.max(axis=0)
     middle = 0.5 * (low + high)
     _, axes = np.linalg.eigh(np.cov(points[:, :2].T))
@@ -113,7 +123,7 @@ def _looking(points: Floats, tool: Floats) -> tuple[Floats, Floats]:
     across = frame @ points.T
     target = middle + frame.T @ (0.5 * (across.min(axis=1) + across.max(axis=1)) - frame @ middle)
     beside = np.abs(frame @ (points - target).T) / np.array(VIEW)[:, None]
-    return target + back * float(((points - target) @ back + beside.max(axis=0)).max()), target
+    return Look(target + back * float(((points - target) @ back + beside.max(axis=0)).max()), target)
 
 
 def _arm(robot: Robot, contents: Contents, one: Shown) -> _Arm:
