@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -38,6 +39,15 @@ class Generators:
             rng.random(out=one)
         return drawn.swapaxes(0, len(shape) - 2)
 
+    def standard_normal(self, shape: tuple[int, ...]) -> Floats:
+        """Draw normal numbers, laid out as those of `random`."""
+        drawn = np.stack([rng.standard_normal(shape) for rng in self.each])
+        return drawn.swapaxes(0, len(shape) - 2)
+
+    def permutation(self, n: int) -> np.ndarray:
+        """Shuffle the numbers from 0 to n - 1 for each run, shape (n_runs, n)."""
+        return np.stack([rng.permutation(n) for rng in self.each])
+
     def integers(self, below: int | np.ndarray, size: tuple[int, ...] | None = None) -> np.ndarray:
         """Draw whole numbers from 0, below a bound or an array of bounds; laid out as those of `random`.
 
@@ -51,6 +61,11 @@ class Generators:
         return drawn.swapaxes(0, drawn.ndim - 3)
 
 
+def places(rows: np.ndarray) -> Any:
+    """Index of members by number, shape (n,) or (..., n_runs, n), each run its own."""
+    return rows if rows.ndim == 1 else (np.arange(rows.shape[-2])[:, None], rows)
+
+
 def members_at(x: Floats, rows: np.ndarray) -> Floats:
     """Look members up by number, each run its own.
 
@@ -59,7 +74,7 @@ def members_at(x: Floats, rows: np.ndarray) -> Floats:
     x : array of shape (n_candidates, n_dimensions) or (n_runs, n_candidates, n_dimensions)
     rows : int array of shape (..., n_candidates) or (..., n_runs, n_candidates)
     """
-    return x.take(rows, axis=0) if x.ndim == 2 else x[np.arange(len(x))[:, None], rows]
+    return x.take(rows, axis=0) if x.ndim == 2 else x[places(rows)]
 
 
 def coordinates_at(x: Floats, rows: np.ndarray) -> Floats:

@@ -16,13 +16,15 @@ import numpy as np
 from study.problem import Floats
 from study.search.bounds import brought_back
 from study.search.chaos import chaotic_population, map_named
-from study.search.loop import Box, evolved
+from study.search.draws import Generators, Rng, members_at, places
+from study.search.loop import Box, SideBySide, evolved
 from study.search.population import PopulationState, check_choice, check_share, new_population
 from study.search.pso import uniform_population
 from study.search.reading import is_printed
 
 STARTS = ("uniform", "tent")
 SIGNS = np.array([-1.0, 1.0])
+LARGEST = np.finfo(float).max
 LARGEST_EXPONENT = 700.0  # e^709 is the largest double
 
 
@@ -33,7 +35,7 @@ def _ranks(n: int) -> Floats:
 
 
 @dataclass(frozen=True)
-class SSA:
+class SSA(SideBySide):
     """Producers contract, joiners follow the best producer or leave, scouts are drawn to the incumbent.
 
     `start="tent"` makes it the paper's T-SSA, both adaptive factors its ADF-SSA, all three its TADF-SSA.
@@ -92,72 +94,68 @@ class SSA:
             positions = uniform_population(box, population, rng)
         return new_population(box, positions, generations)
 
-    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
+    def ask(self, state: PopulationState, rng: Rng) -> PopulationState:
         """Rank the sparrows and move each by its role."""
-        order = state.values.argsort(kind="stable")
-        x, values = state.members.take(order, axis=0), state.values.take(order)
-        n_producers = min(len(x), max(1, round(self.producers * len(x))))
-        produced = self._producers(x[:n_producers], state.generations, rng)
-        moved = np.concatenate([produced, self._joiners(x, n_producers, produced[0], rng)])
-        scouts = rng.permutation(len(x))[: round(self.scouts * len(x))]
-        danger = x.take(scouts, axis=0), values.take(scouts)
-        moved[scouts] = self._scouts(state, *danger, (x[-1], float(values[-1])), rng)
+        order = state.values.argsort(axis=-1, kind="stable")
+        x, n = members_at(state.members, order), order.shape[-1]
+        n_producers = min(n, max(1, round(self.producers * n)))
+        produced = self._producers(x[..., :n_producers, :], state.generations, rng)
+        moved = np.concatenate([produced, self._joiners(x, n_producers, produced[..., :1, :], rng)], axis=-2)
+        scouts = rng.permutation(n)[..., : round(self.scouts * n)]
+        moved[places(scouts)] = self._scouts(state, x, scouts, rng)
         candidates = np.empty_like(moved)
-        candidates[order] = brought_back(self.bounds, state.box, moved)
+        candidates[places(order)] = brought_back(self.bounds, state.box, moved)
         return evolved(state, candidates=candidates)
 
-    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
+    def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
         """Keep what is better, Algorithm 1, line 14."""
         return state.kept_better(values)
 
-    def _producers(self, x: Floats, generations: int, rng: np.random.Generator) -> Floats:
+    def _producers(self, x: Floats, generations: int, rng: Rng) -> Floats:
         """New positions of the best sparrows, Eq. (13); i is the rank, counted from 1."""
+        if isinstance(rng, Generators):  # each run is alarmed by itself
+            runs = zip(x, rng.each, strict=True)
+            return np.stack([self._producers(own, generations, its) for own, its in runs])
         alarm = rng.random()  # R_2
         if alarm >= self.safety:
             return x + rng.standard_normal((len(x), 1))  # x + Q L
         alpha = 1.0 - rng.random((len(x), 1))  # in (0, 1]
         return x * np.exp(-_ranks(len(x)) / (alpha * generations))
 
-    def _joiners(self, x: Floats, first: int, leader: Floats, rng: np.random.Generator) -> Floats:
+    def _joiners(self, x: Floats, first: int, leader: Floats, rng: Rng) -> Floats:
         """New positions of the others, Eq. (14); the hungry ones, ranked in the lower half, leave."""
-        n, d = x.shape
+        n, d = x.shape[-2:]
         q = rng.standard_normal((n - first, 1))
         signs = SIGNS.take(rng.integers(2, size=(n - first, d)))  # A; A^+ = A^T (A A^T)^-1 = A^T / d
         half = max(n // 2, first)
-        hungry, worst = x[half:], x[-1]
+        hungry, worst = x[..., half:, :], x[..., -1:, :]
         fall = hungry - worst if is_printed(self.reading) else worst - hungry
-        leaving = q[half - first :] * np.exp(np.minimum(fall / _ranks(n)[half:] ** 2, LARGEST_EXPONENT))
-        step = (np.abs(x[first:half] - leader) * signs[: half - first]).sum(axis=1, keepdims=True) / d
-        return np.concatenate([leader + step, leaving])
+        leaving = q[..., half - first :, :] * np.exp(np.minimum(fall / _ranks(n)[half:] ** 2, LARGEST_EXPONENT))
+        step = (np.abs(x[..., first:half, :] - leader) * signs[..., : half - first, :]).sum(axis=-1, keepdims=True) / d
+        return np.concatenate([leader + step, leaving], axis=-2)
 
-    def _scouts(
-        self,
-        state: PopulationState,
-        x: Floats,
-        values: Floats,
-        worst: tuple[Floats, float],
-        rng: np.random.Generator,
-    ) -> Floats:
-        """New positions of the sparrows that sense danger, Eq. (15)."""
-        to_best = state.incumbent + self._beta(state, x, rng) * np.abs(x - state.incumbent)
-        k = self._k(state, len(x), rng)
-        behind = values > state.incumbent_value
+    def _scouts(self, state: PopulationState, x: Floats, scouts: np.ndarray, rng: Rng) -> Floats:
+        """New positions of the sparrows that sense danger, given by their ranks, Eq. (15)."""
+        own, values = members_at(x, scouts), np.sort(state.values, axis=-1)
+        to_best = state.incumbent + self._beta(state, own, rng) * np.abs(own - state.incumbent)
+        k = self._k(state, scouts.shape[-1], rng)
+        behind = values[places(scouts)] > state.incumbent_value
         if behind.all():
             return to_best
-        away = x - worst[0] if is_printed(self.reading) else np.abs(x - worst[0])
-        fall = state.incumbent_value - worst[1] if math.isfinite(worst[1]) else -math.inf
-        return np.where(behind[:, None], to_best, x + k * away / (fall + 1e-50))
+        away = own - x[..., -1:, :] if is_printed(self.reading) else np.abs(own - x[..., -1:, :])
+        fall = np.minimum(state.incumbent_value, LARGEST) - values[..., -1:]
+        return np.where(behind[..., None], to_best, own + k * away / (fall[..., None] + 1e-50))
 
-    def _beta(self, state: PopulationState, x: Floats, rng: np.random.Generator) -> Floats | float:
+    def _beta(self, state: PopulationState, x: Floats, rng: Rng) -> Floats | float:
         printed = is_printed(self.reading)
         if not self.adaptive_beta:
-            return rng.standard_normal(x.shape)
+            return rng.standard_normal(x.shape[-2:])
         low, high = self.beta_limits
         angle = state.progress if printed else math.pi * state.progress
         beta = low + 0.5 * (high - low) * (1.0 - math.cos(angle))  # eq. (18)
-        return beta if printed else beta * rng.standard_normal(x.shape)
+        return beta if printed else beta * rng.standard_normal(x.shape[-2:])
 
-    def _k(self, state: PopulationState, n: int, rng: np.random.Generator) -> Floats | float:
+    def _k(self, state: PopulationState, n: int, rng: Rng) -> Floats | float:
         low, high = self.k_limits
         if not self.adaptive_k:
             return 2.0 * rng.random((n, 1)) - 1.0
