@@ -80,6 +80,15 @@ def test_workers_with_other_code_are_refused(monkeypatch):
     engines._check_code({"tcp://127.0.0.1:1": {"pso": "of another day", "more": "here"}})
 
 
+def test_workers_that_would_take_other_kernels_are_refused(monkeypatch):
+    monkeypatch.setattr(engines, "planner_names", list)
+    monkeypatch.setattr(engines, "chosen", lambda: "numba")
+    there = engines.installed_code()
+    monkeypatch.setattr(engines, "chosen", lambda: "numpy")
+    with pytest.raises(StudyError, match="has other code than this machine for kernels"):
+        engines._check_code({"tcp://127.0.0.1:1": there})
+
+
 @pytest.mark.filterwarnings("default")
 def test_nobody_at_the_address_is_one_sentence(monkeypatch):
     monkeypatch.setattr(engines, "PATIENCE", 1)

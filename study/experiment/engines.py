@@ -7,6 +7,7 @@ from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
+from study.curves.engine import chosen
 from study.errors import StudyError
 from study.experiment.registry import planner_code, planner_names, unavailable_planners
 
@@ -73,9 +74,9 @@ def _cluster(distributed: Any, jobs: int) -> Any:
 
 
 def installed_code() -> dict[str, str]:
-    """Versions and checksums of all planners that can be loaded here."""
+    """Versions and checksums of all planners that can be loaded here, and the kernels that long searches would take."""
     broken = unavailable_planners()
-    return {name: planner_code(name) for name in planner_names() if name not in broken}
+    return {name: planner_code(name) for name in planner_names() if name not in broken} | {"kernels": chosen()}
 
 
 def _check_code(workers: Mapping[str, Mapping[str, str]]) -> None:
