@@ -17,25 +17,28 @@ from study.problem import Floats, Problem
 from study.trajectory import Motion
 
 FEW_SAMPLES, MANY_SAMPLES = 10, 100_000
-MOST_POWER = 9
-"""Of ten, for samples per second: a ROS message counts nanoseconds."""
+HIGHEST_RATE = 1e9
+"""Hz; a ROS message counts nanoseconds."""
 MOST_SAMPLES = 10_000_000
 """More samples than this are taken for a mistake in the rate."""
 
 
-def usual_rate(duration: float) -> float:
-    """Samples per second where nobody chose: 100, or the nearest power of ten that gives 10 to 100,000 samples.
+def usual_rate(duration: float, rate: float = 100.0, most: int = MANY_SAMPLES) -> float:
+    """Samples per second where nobody chose: the usual ones, or ten, a hundred... times more or fewer.
 
     Parameters
     ----------
     duration : float, s
+    rate : float, Hz
+        For motions of seconds and minutes.
+    most : int
+        Samples; at least 10 come, too, unless they lay less than a nanosecond apart.
     """
-    power = 2
-    while duration * 10.0**power > MANY_SAMPLES:
-        power -= 1
-    while duration * 10.0**power < FEW_SAMPLES and power < MOST_POWER:
-        power += 1
-    return 10.0**power
+    while duration * rate > most:
+        rate /= 10.0
+    while duration * rate < FEW_SAMPLES and rate < HIGHEST_RATE:
+        rate *= 10.0
+    return rate
 
 
 def sample_times(duration: float, rate: float) -> Floats:

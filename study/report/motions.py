@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from study.experiment.cases import Case
-from study.io.export import write_motion
+from study.io.export import usual_rate, write_motion
 from study.io.filenames import file_stem
 from study.report.rows import Entry
 
 RATE = 50.0
-"""Samples per second, Hz; `study export` writes any other rate, and the exact polynomials."""
+"""Samples per second of motions of seconds and minutes, Hz; `study plan` writes any other rate, and the exact polynomials."""
+MOST_SAMPLES = 10_000
 
 
 def motion_files(entries: Sequence[Entry]) -> dict[str, str]:
@@ -24,4 +25,5 @@ def write_motions(folder: Path, case: Case, entries: Sequence[Entry], files: Map
     """Write the representative motion of every method: time, positions, velocities and accelerations of all joints."""
     for entry in entries:
         if entry.label in files and entry.motion is not None and entry.row.joint is None:
-            write_motion(entry.motion, case.problem, folder / files[entry.label], RATE)
+            rate = usual_rate(entry.motion.duration, RATE, MOST_SAMPLES)
+            write_motion(entry.motion, case.problem, folder / files[entry.label], rate)
