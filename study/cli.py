@@ -24,7 +24,7 @@ from study.commands.runs import (
     show,
     watching,
 )
-from study.errors import StudyError
+from study.errors import StudyError, plural
 from study.experiment.cases import Case, case_names, load_case
 from study.experiment.lineup import (
     FULL_SEEDS,
@@ -221,7 +221,7 @@ def digest(out: Out = DEFAULT_OUT) -> None:
     with Store(out / STORE_NAME, {}, write=False) as store:
         print(store.digest())
         if cut_short := store.cut_short():
-            print(f"study: {cut_short} results were decided by a time limit and may differ elsewhere", file=sys.stderr)
+            print(f"study: {plural(cut_short, 'result')} decided by a time limit may differ elsewhere", file=sys.stderr)
 
 
 @app.command()

@@ -48,7 +48,7 @@ def shell(tmp_path):
 
     def run(command, status=0):
         ended = subprocess.run(
-            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=240, check=False
+            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=550, check=False
         )
         assert ended.returncode == status, f"{command}\n{ended.stdout}\n{ended.stderr}"
         return ended
