@@ -11,13 +11,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 import pytest
 
+from study.comparison.build import compare
+from study.comparison.pages import write_pages
 from study.experiment.cases import load_case
 from study.experiment.lineup import Budget, Spec, make_cells
 from study.experiment.runner import Task, execute
 from study.report.page import STANDINGS, build_report
+from tests.test_comparison_build import TINY
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium is installed")
@@ -26,6 +31,8 @@ FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update",
     "--disable-sync", "--no-first-run", "--disable-default-apps", "--disable-dev-shm-usage",
 )  # fmt: skip
+
+PROBED = "probed-"
 
 LISTEN = """<script>
 const faults = [];
@@ -51,10 +58,20 @@ for (const name of ["Median, s", "Median, s", "Method", "Limit use"]) {
     heads.filter((head) => ["ascending", "descending"].includes(head.getAttribute("aria-sort"))).length, order: order(index) });
 }
 const said = document.querySelector("[role=status]");
+const spoken = said && said.textContent;
+const tables = [...document.querySelectorAll("table:has(th button)")].map((one) => {
+  const index = Math.max(0, [...one.tHead.rows[0].cells].findLastIndex((head) => head.matches(".num:has(button)")));
+  const head = one.tHead.rows[0].cells[index];
+  head.querySelector("button").click();
+  const cells = [...one.tBodies[0].rows].map((row) => row.cells[index]);
+  return { head: head.textContent, sorted: head.getAttribute("aria-sort"),
+    cells: cells.map((cell) => cell.dataset.value ?? cell.textContent.trim()) };
+});
 const wide = [...document.querySelectorAll("main > *")].filter((one) => one.getBoundingClientRect().right > innerWidth + 1);
-const report = { faults, steps, said: said && said.textContent, width: innerWidth,
+const report = { faults, steps, said: spoken, tables, width: innerWidth,
   overflow: document.documentElement.scrollWidth - innerWidth, wide: wide.map((one) => one.tagName),
   requests: performance.getEntriesByType("resource").map((entry) => entry.name),
+  links: [...document.querySelectorAll("a[href]")].map((one) => one.href),
   panels: document.querySelectorAll("svg[role=img]").length };
 const pre = document.createElement("pre");
 pre.id = "probe";
@@ -85,8 +102,14 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
         Spec("ruckig-stops"),
     ]
     cells = make_cells([case], specs, Budget(seeds=2, evaluations=120))
-    results = [execute(Task(cell, case.problem)) for cell in cells]
-    return build_report({case.name: case}, results, tmp_path_factory.mktemp("out") / "report", {"Python": "3.x"}).parent
+    other = load_case("puma560")
+    cases = {one.name: one for one in (case, other)}
+    cells += make_cells([other], [Spec("pso", "scaled", "shared"), Spec("centre")], Budget(seeds=1, evaluations=60))
+    results = [execute(Task(cell, cases[cell.case].problem)) for cell in cells]
+    out = tmp_path_factory.mktemp("out")
+    found = compare({case.name: case}, TINY, out / "results.sqlite", jobs=1)
+    write_pages(found, out / "report" / "comparison", {"Python": "3.x"})
+    return build_report(cases, results, out / "report", {"Python": "3.x"}).parent
 
 
 @pytest.fixture(scope="module")
@@ -95,8 +118,9 @@ def look(report: Path, tmp_path_factory: pytest.TempPathFactory) -> Look:
 
 
 def _look(report: Path, name: str, width: int, tmp_path: Path) -> Seen:
-    text = (report / name).read_text(encoding="utf-8")
-    probed = report / f"probed-{name}"
+    page = report / name
+    text = page.read_text(encoding="utf-8")
+    probed = page.with_name(f"{PROBED}{page.name}")
     probed.write_text(
         text.replace("</title>", "</title>" + LISTEN, 1).replace("</body>", PROBE + "</body>"), encoding="utf-8"
     )
@@ -111,9 +135,11 @@ def _look(report: Path, name: str, width: int, tmp_path: Path) -> Seen:
     return Seen(json.loads(html.unescape(found[1])), done.stderr)
 
 
-@pytest.mark.parametrize(
-    ("name", "width"), [("index.html", 1280), ("woodworking.html", 1280), ("woodworking.html", 500)]
-)
+PAGES = ["index.html", "woodworking.html", "comparison/index.html", "comparison/targets.html"]
+
+
+@pytest.mark.parametrize("width", [1280, 500])
+@pytest.mark.parametrize("name", PAGES)
 def test_no_complaint_no_request_nothing_sticks_out(look: Look, name: str, width: int) -> None:
     seen = look(name, width)
     assert seen.probe["faults"] == []
@@ -121,7 +147,49 @@ def test_no_complaint_no_request_nothing_sticks_out(look: Look, name: str, width
     assert not re.search(r"CONSOLE.*(Uncaught|Refused|Error)", seen.log)
     assert seen.probe["overflow"] <= 0
     assert seen.probe["wide"] == []
-    assert seen.probe["panels"] >= 2
+    assert seen.probe["panels"] >= (2 if "comparison" not in name else 0)
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_every_link_resolves(look: Look, report: Path, name: str) -> None:
+    links = look(name, 1280).probe["links"]
+    assert len(links) > 5
+    for link in links:
+        parts = urlsplit(link)
+        if parts.scheme == "https":
+            assert parts.netloc == "doi.org"
+            continue
+        assert parts.scheme == "file", link
+        target = Path(url2pathname(parts.path))
+        target = target.with_name(target.name.removeprefix(PROBED))
+        assert target.is_file(), link
+        assert not parts.fragment or f'id="{parts.fragment}"' in target.read_text(encoding="utf-8"), link
+
+
+def test_the_index_leads_to_every_page(look: Look, report: Path) -> None:
+    links = {urlsplit(link).path.rpartition("report/")[2] for link in look("index.html", 1280).probe["links"]}
+    assert {"woodworking.html", "comparison/index.html"} <= links
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_every_table_with_buttons_sorts(look: Look, name: str) -> None:
+    tables = look(name, 1280).probe["tables"]
+    assert tables
+    for table in tables:
+        assert table["sorted"] in {"ascending", "descending"}
+        shown = [text for text in table["cells"] if text not in ("", "–")]
+        numbers = [number for number in map(plain_number, shown) if number is not None]
+        values = numbers if len(numbers) == len(shown) else [text.lower() for text in shown]
+        assert values == sorted(values, reverse=table["sorted"] == "descending"), table
+    assert max(len(set(table["cells"])) for table in tables) > (0 if name == "comparison/index.html" else 1)
+
+
+def plain_number(text: str) -> float | None:
+    """A number as the page shows it, in its base unit; None for other text."""
+    found = re.fullmatch(r"[+≈≥]?\s*([-−]?[\d\s.,]*\d(?:e[-+]?\d+)?)\s*(%|s|ms)?", text)
+    if found is None:
+        return None
+    return float(re.sub(r"[\s,]", "", found[1].replace("−", "-"))) * (1e-3 if found[2] == "ms" else 1.0)
 
 
 def test_sorting_by_a_click_on_a_head(look: Look) -> None:

@@ -247,20 +247,20 @@ def _headline_row(axes: Axes, level: int, row: HeadlineRow, width: float) -> Non
 
 def ladder(key: str, bars: Sequence[Bar], width: float) -> Markup:
     """Plot the ladder of lost time as bars from zero, one under the other; the width is in pixels."""
-    narrow = width < NARROW
+    pitch = 64 if width < NARROW else 40  # from bar to bar
     with mpl.rc_context(RC):
-        figure = _figure(width, (58 if narrow else 40) * len(bars) + 52)
+        figure = _figure(width, pitch * len(bars) + 52)
         axes = figure.subplots()
         _margins(figure, 14, 6, 42, 4)
         axes.tick_params(length=0)
         longest = max(bar.seconds for bar in bars)
         for level, bar in enumerate(bars):
             axes.barh(
-                level, bar.seconds, height=0.42, facecolor=SERIES[0] if bar.solid else "none", edgecolor=SERIES[0] if not bar.hatch else INK,
+                level, bar.seconds, height=17 / pitch, facecolor=SERIES[0] if bar.solid else "none", edgecolor=SERIES[0] if not bar.hatch else INK,
                 hatch=bar.hatch, linestyle="-" if bar.solid else "--", linewidth=1.2, alpha=0.9,
             )  # fmt: skip
-            label = bar.label.replace(": ", ":\n", 1) if narrow else bar.label
-            axes.annotate(label, (0.0, level - 0.24), xytext=(0, 2), textcoords="offset points", va="bottom")
+            label = bar.label.replace(": ", ":\n", 1) if width < NARROW else bar.label
+            axes.annotate(label, (0.0, level), xytext=(0, 11), textcoords="offset points", va="bottom")
             axes.annotate(
                 bar.value, (bar.seconds, level), xytext=(6, 0), textcoords="offset points", va="center", weight="bold"
             )

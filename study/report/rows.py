@@ -142,9 +142,10 @@ def known_times(entries: Sequence[Entry]) -> list[tuple[str, float, str]]:
     """Best feasible times and proved bounds of a case, path by path: what, seconds, by which method."""
     facts = []
     for path in MEANING:
-        of_path = [(entry.row.best, entry.label) for entry in entries if entry.rank is not None and entry.path == path]
-        if times := [(best, label) for best, label in of_path if best is not None]:
-            facts.append((f"best known, {path}", *min(times)))
+        ranked = [entry for entry in entries if entry.rank is not None and entry.path == path and entry.row.best]
+        times = [(float(f"{one.row.best:.6g}"), one.row.kind == "search", one.label) for one in ranked]
+        if times:  # of those alike to six digits one that has no luck of the seed
+            facts.append((f"best known, {path}", min(one.row.best or 0.0 for one in ranked), min(times)[2]))
         if (bound := lower_bound(entries, path)) is not None:
             facts.append((f"proved lower bound, {path}", bound, ""))
     if (bound := lower_bound(entries)) is not None:

@@ -1,32 +1,29 @@
 "use strict";
 // Sort a table by a column. Rows move only inside their own group, so an infeasible method never rises above a feasible one.
-for (const table of document.querySelectorAll("table.sortable")) {
+const number = (text) => {
+  const found = /^[+≈≥]?\s*([-−]?[\d\s.,]*\d(?:e[-+]?\d+)?)\s*(%|s|ms)?$/.exec(text);
+  return found ? Number(found[1].replace("−", "-").replace(/[\s,]/g, "")) * (found[2] === "ms" ? 1e-3 : 1) : NaN;
+};
+for (const table of document.querySelectorAll("table:has(th[data-sort])")) {
   const heads = [...table.tHead.rows[0].cells];
   const said = document.createElement("p");
   said.className = "note";
   said.setAttribute("role", "status");
   table.parentElement.after(said);
-  const value = (row, index) => row.cells[index].dataset.value ?? row.cells[index].textContent.trim();
-  const compare = (a, b) => {
-    if (a === "" || b === "") return (a === "") - (b === "");
-    return a.localeCompare(b, "en", { numeric: true });
-  };
+  const value = (row, index) => (row.cells[index].dataset.value ?? row.cells[index].textContent.trim()).replace(/^–$/, "");
   const sortBy = (head, index) => {
     const down = head.getAttribute("aria-sort") === "ascending";
     for (const other of heads) if (other.hasAttribute("aria-sort")) other.setAttribute("aria-sort", "none");
     head.setAttribute("aria-sort", down ? "descending" : "ascending");
-    const numeric = head.classList.contains("num");
-    for (const body of table.tBodies) {
-      const rows = [...body.rows].filter((row) => !row.classList.contains("group"));
-      const order = (x, y) => {
-        const a = value(x, index), b = value(y, index);
-        if (a === "" || b === "") return (a === "") - (b === "");
-        const sign = down ? -1 : 1;
-        return sign * (numeric ? Number(a) - Number(b) : compare(a, b));
-      };
-      body.append(...rows.sort(order));
-    }
-    said.textContent = `Sorted by ${head.textContent.trim()}, ${down ? "descending" : "ascending"}, feasible methods first.`;
+    const groups = [...table.tBodies].map((body) => [body, [...body.rows].filter((row) => !row.classList.contains("group"))]);
+    const numeric = groups.every(([, rows]) => rows.every((row) => value(row, index) === "" || !isNaN(number(value(row, index)))));
+    const order = (x, y) => {
+      const a = value(x, index), b = value(y, index);
+      if (a === "" || b === "") return (a === "") - (b === "");
+      return (down ? -1 : 1) * (numeric ? number(a) - number(b) : a.localeCompare(b, "en", { numeric: true }));
+    };
+    for (const [body, rows] of groups) body.append(...rows.sort(order));
+    said.textContent = `Sorted by ${head.textContent.trim()}, ${down ? "descending" : "ascending"}${table.querySelector("tbody.feasible") ? ", feasible methods first" : ""}.`;
   };
   heads.forEach((head, index) => {
     if (!head.hasAttribute("data-sort")) return;
