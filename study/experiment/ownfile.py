@@ -101,7 +101,7 @@ class OwnCase(Strict):
     curve: Literal[tuple(CURVES)] | None = Field(  # type: ignore[valid-type]
         None, description="Curve family of the planners that choose segment durations."
     )
-    notes: list[str] = Field(default_factory=list)
+    notes: list[str] = Field(default_factory=list, description="Sentences that stand with the case in the report.")
 
 
 def schema() -> dict[str, Any]:
