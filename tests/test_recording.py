@@ -262,6 +262,14 @@ def test_verify_passes_and_the_file_is_small(recorded: Path) -> None:
     assert recorded.stat().st_size < 3e6
 
 
+def test_the_layout_stands_before_the_data(recorded: Path) -> None:
+    with private_environment() as (program, environment):
+        printed = subprocess.run(
+            [program, "rrd", "print", str(recorded)], env=environment, check=True, capture_output=True, text=True
+        ).stdout
+    assert printed.index(" - /viewport - ") < min(printed.index(f" - /{part}") for part in ("summary", "q/", "arms/"))
+
+
 def test_twenty_methods_of_six_joints_stay_under_the_size_limit(tmp_path: Path) -> None:
     case = load_case("puma560")
     durations = np.random.default_rng(1).uniform(0.5, 1.5, size=(20, case.problem.n_segments))
@@ -294,8 +302,8 @@ def test_recording_opens_no_socket(woodworking: Case, tmp_path: Path, monkeypatc
         return {target for link in links if link.is_symlink() and (target := os.readlink(link)).startswith("socket:")}
 
     seen: list[set[str]] = []
-    real = case_recording.layout
-    monkeypatch.setattr(case_recording, "layout", lambda *a: seen.append(sockets()) or real(*a))
+    real = case_recording.log_scene
+    monkeypatch.setattr(case_recording, "log_scene", lambda *a: seen.append(sockets()) or real(*a))
     before = sockets()
     record_case(woodworking, some_results(woodworking), tmp_path / "a.rrd")
     assert seen == [before]
@@ -308,7 +316,7 @@ def test_a_failure_leaves_the_old_recording_and_no_litter(
     path = record_case(woodworking, some_results(woodworking), tmp_path / "a.rrd", samples=5)
     before = path.read_bytes()
 
-    def broken(stream: Any, contents: Any) -> None:
+    def broken(stream: Any, *rest: Any) -> None:
         import rerun as rr
 
         stream.log("x", rr.Points3D(np.zeros((2, 7))))  # a wrong shape: strict mode raises, lenient mode would go on

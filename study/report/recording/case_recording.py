@@ -9,7 +9,7 @@ from study.experiment.cases import Case
 from study.experiment.results import Result
 from study.report.recording.contents import gather
 from study.report.recording.layout import layout
-from study.report.recording.scene import log_scene
+from study.report.recording.scene import log_scene, scene_of
 from study.report.recording.signals import log_activity, log_signals
 from study.report.recording.stream import APPLICATION, recording_file
 from study.report.recording.summary import log_convergence, log_metadata, log_summary
@@ -49,14 +49,17 @@ def record_case(case: Case, results: Sequence[Result], path: Path, samples: int 
         If there is nothing to show, a result belongs to another case, or the file cannot be written.
     """
     contents = gather(case, results, samples)
-    swarms = swarms_of(contents)
+    swarms, scene = swarms_of(contents), scene_of(contents)
     with recording_file(path, case.name) as stream:
+        stream.send_blueprint(
+            layout(contents, scene, swarm_views(swarms))
+        )  # first: else a slow viewer makes up its own
         log_metadata(stream, contents)
-        scene = log_scene(stream, contents)
         log_summary(stream, contents, "" if scene is None else scene.words)
+        if scene is not None:
+            log_scene(stream, contents, scene)
         log_signals(stream, contents)
         log_activity(stream, contents)
         log_convergence(stream, contents)
         log_swarms(stream, contents, swarms)
-        stream.send_blueprint(layout(contents, scene, swarm_views(swarms)))
     return path

@@ -61,8 +61,8 @@ def bars_pitch(count: int, room: float = SCREEN) -> float:
 
 
 def bars_bounds(count: int, pitch: float = BAR_PITCH) -> Bounds:
-    """Ranges of x and y that a drawing of so many bars fills."""
-    return (-20.0, BAR_WIDTH + 10.0), (-pitch, pitch * count)
+    """Ranges of x and y that a drawing of so many bars fills, with room on the left for texts on smaller screens."""
+    return (-60.0, BAR_WIDTH + 10.0), (-pitch, pitch * count)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import rerun as rr
@@ -16,6 +17,7 @@ from study.report.recording.contents import NANOSECOND, Contents, Shown, seconds
 from study.report.recording.meshes import log_meshes, mesh_contents
 from study.report.recording.stream import LIMIT_COLOR, entity, method, time_column
 from study.robots import Robot, robot_named
+from study.robots.meshes import Shape
 from study.robots.urdf import UrdfRobot
 
 SLOW_TO_FAST = np.array(
@@ -41,15 +43,6 @@ class Look:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
-    """Where to look from at the first look's arms and at every feasible one; and a sentence or two on what is seen."""
-
-    first: Look
-    every: Look
-    words: str
-
-
-@dataclass(frozen=True, eq=False)
 class _Arm:
     """One method's arm: times (n,) ns, frames (n, n_links + 1, 4, 4), tool speeds (n,), tool places at waypoints."""
 
@@ -65,28 +58,71 @@ class _Arm:
         return self.frames[:, :, :3, 3]
 
 
-def log_scene(stream: rr.RecordingStream, contents: Contents) -> Scene | None:
-    """Write an arm per method to `/arms`, all in the robot's base frame; cases without a robot have no scene."""
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """The arms, where to look from, and what is to be said of them.
+
+    Attributes
+    ----------
+    arms : tuple
+    shapes : tuple of Shape
+        Meshes that stand for the links; capsules do where there are none.
+    meshes : dict of Path to bytes
+        Their files.
+    first, every : Look
+        At the first look's arms, and at all feasible ones.
+    words : str
+    """
+
+    arms: tuple[_Arm, ...]
+    shapes: tuple[Shape, ...]
+    meshes: dict[Path, bytes]
+    first: Look
+    every: Look
+    words: str
+
+    @property
+    def fastest(self) -> float:
+        """Speed of the tool's fastest instant, m/s."""
+        return max(float(arm.speeds.max()) for arm in self.arms)
+
+
+def scene_of(contents: Contents) -> Scene | None:
+    """Place an arm per method, all in the robot's base frame; cases without a robot have no scene."""
     if contents.case.robot is None or not contents.shown:
         return None
     robot = robot_named(contents.case.robot, tuple(contents.case.problem.joint_names))
-    arms = [_arm(robot, contents, one) for one in contents.shown]
-    points = np.concatenate([arm.chain.reshape(-1, 3) for arm in arms])
+    arms = tuple(_arm(robot, contents, one) for one in contents.shown)
+    shapes, reason = (robot.shapes, robot.missing) if isinstance(robot, UrdfRobot) else ((), "")
+    try:
+        meshes = mesh_contents(shapes, len(arms))
+    except StudyError as error:
+        shapes, meshes, reason = (), {}, str(error)
+    first = [arm for arm in arms if arm.one in contents.first_look]
+    near, far = (
+        _looking(seen, contents.case.obstacles) for seen in (first, [arm for arm in arms if arm.one.feasible] or first)
+    )
+    scene = Scene(arms, shapes, meshes, near, far, f" Links are drawn as capsules: {reason}." if reason else "")
+    return replace(scene, words=f"Tool paths: dark where slow, yellow at {scene.fastest:.3g} m/s.{scene.words}")
+
+
+def log_scene(stream: rr.RecordingStream, contents: Contents, scene: Scene) -> None:
+    """Write the arms to `/arms`: links, tool path, waypoints; and obstacles."""
+    points = np.concatenate([arm.chain.reshape(-1, 3) for arm in scene.arms])
     reach = float(np.linalg.norm(np.ptp(points, axis=0)))
-    fastest = max(float(arm.speeds.max()) for arm in arms)
     stream.log("arms", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    remark = _log_bodies(stream, robot, arms, 0.016 * reach)
-    for arm in arms:
+    for arm in scene.arms:
         path = entity("arms", method(arm.one.label))
-        _log_path(stream, path, arm, fastest, 0.004 * reach)
+        if scene.shapes:
+            poses = (arm.times, arm.frames)
+            log_meshes(stream, path + "/links", scene.shapes, scene.meshes, poses, arm.one.color)
+        else:
+            _log_links(stream, path, arm, 0.016 * reach)
+        _log_path(stream, path, arm, scene.fastest, 0.004 * reach)
     if len(contents.case.obstacles):
         low, high = np.moveaxis(contents.case.obstacles, 1, 0)
         stream.log(OBSTACLES, rr.Boxes3D(mins=low, sizes=high - low, colors=OBSTACLE_COLOR), static=True)
-        _log_clearance(stream, contents, arms)
-    words = f"Tool paths: dark where slow, yellow at {fastest:.3g} m/s.{remark}"
-    first = [arm for arm in arms if arm.one in contents.first_look]
-    feasible = [arm for arm in arms if arm.one.feasible or arm in first]
-    return Scene(_looking(first, contents.case.obstacles), _looking(feasible, contents.case.obstacles), words)
+        _log_clearance(stream, contents, scene.arms)
 
 
 def _log_clearance(stream: rr.RecordingStream, contents: Contents, arms: Sequence[_Arm]) -> None:
@@ -135,22 +171,6 @@ def _arm(robot: Robot, contents: Contents, one: Shown) -> _Arm:
     )
     velocity = np.gradient(frames[:, -1, :3, 3], seconds(times), axis=0)
     return _Arm(one, times, frames, np.linalg.norm(velocity, axis=1), there[:, -1, :3, 3])
-
-
-def _log_bodies(stream: rr.RecordingStream, robot: Robot, arms: Sequence[_Arm], radius: float) -> str:
-    """Draw all arms as the meshes of the robot's own description, or as capsules; say why, where meshes are wanting."""
-    shapes, reason = (robot.shapes, robot.missing) if isinstance(robot, UrdfRobot) else ((), "")
-    try:
-        contents = mesh_contents(shapes, len(arms))
-    except StudyError as error:
-        shapes, reason = (), str(error)
-    for arm in arms:
-        path = entity("arms", method(arm.one.label))
-        if shapes:
-            log_meshes(stream, path + "/links", shapes, contents, (arm.times, arm.frames), arm.one.color)
-        else:
-            _log_links(stream, path, arm, radius)
-    return f" Links are drawn as capsules: {reason}." if reason else ""
 
 
 def _log_links(stream: rr.RecordingStream, path: str, arm: _Arm, radius: float) -> None:
