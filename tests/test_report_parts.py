@@ -132,6 +132,13 @@ def test_the_answer_of_one_case_names_methods_and_times() -> None:
     assert case_answer(picked(None, None)) == ()
 
 
+def test_one_seed_has_no_median() -> None:
+    search = entry("search", 10.1)
+    best = picked(replace(search, row=replace(search.row, runs=1, feasible_runs=1)), entry("deterministic", 10.0))
+    assert answer([best])[0].endswith("1.00\u00a0% more time (one seed).")
+    assert case_answer(best)[0].endswith("1.00\u00a0% more time (one seed).")
+
+
 def test_without_a_pair_to_compare_there_is_no_sentence() -> None:
     assert answer([picked(None, entry("deterministic", 10.0)), picked(None, None)]) == ()
 

@@ -20,7 +20,7 @@ from study.judge import RATES, TOLERANCE
 from study.report import drawn, figures, wording
 from study.report.causes import causes_of
 from study.report.convergence import convergence_of
-from study.report.featured import ROLE_NAMES, ROLES, Featured, featured
+from study.report.featured import ROLE_NAMES, Featured, featured
 from study.report.glossary import glossary
 from study.report.ladder import Rung, ladder_of
 from study.report.motions import motion_files, write_motions
@@ -179,7 +179,7 @@ def _index_page(
             "causes": [(report, causes) for report in reports if (causes := causes_of(report.rungs)) is not None],
             "names": glossary(entry.planner for report in reports for _, _, entry in report.best.present()),
             "headline": pictures,
-            "legend": [(ROLES.index(role), ROLE_NAMES[role]) for role in ROLES],
+            "legend": {style: ROLE_NAMES[role] for each in reports for style, role, _ in each.best.present()},
             "published": _published_count(reports),
             "compared": (out / "comparison" / "index.html").is_file(),
             "reproduced": (out / "reproduction" / "index.html").is_file(),

@@ -73,7 +73,7 @@ def _who_wins(cases: Sequence[Featured]) -> str:
     lead = "No" if not ahead else "Sometimes" if ahead < len(gaps) else "Yes"
     return (
         f"{lead}: on the same curve the best metaheuristic is {counts} of {plural(len(gaps), 'case')} against a plain "
-        f"deterministic optimiser; it takes {_span(gaps)} ({_median([one for one, _ in pairs])}; its best seed {_span(best)})."
+        f"deterministic optimiser; it takes {_span(gaps)} ({_seeds([one for one, _ in pairs], _span(best))})."
     )
 
 
@@ -88,13 +88,17 @@ def _who_wins_here(best: Featured) -> str:
     return (
         f"{lead}: on the same curve the best metaheuristic (`{search.label}`) takes {seconds(search.row.median)} and the "
         f"deterministic `{plain.label}` {seconds(plain.row.median)}: {usual} "
-        f"({_median([search])}; its best seed {'too' if lucky == usual else lucky})."
+        f"({_seeds([search], 'too' if lucky == usual else lucky)})."
     )
 
 
-def _median(searches: Sequence[Entry]) -> str:
+def _seeds(searches: Sequence[Entry], lucky: str) -> str:
+    """What the time before it is taken over, and what the best seed brings."""
     seeds = sorted({search.row.runs for search in searches})
-    return "median over " + (plural(seeds[0], "seed") if len(seeds) == 1 else f"{seeds[0]} to {seeds[-1]} seeds")
+    if seeds[-1] == 1:
+        return "one seed"
+    over = plural(seeds[0], "seed") if len(seeds) == 1 else f"{seeds[0]} to {seeds[-1]} seeds"
+    return f"median over {over}; its best seed {lucky}"
 
 
 def _what_it_costs(cases: Sequence[Featured], budgets: Sequence[int]) -> str:
