@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,7 +39,9 @@ class Use:
     end: float
 
 
-def limit_uses(motion: Motion, limits: JointLimits, share: float = SATURATED) -> tuple[Use, ...]:
+def limit_uses(
+    motion: Motion, limits: JointLimits, share: float = SATURATED, extrema: Sequence[Extrema] = ()
+) -> tuple[Use, ...]:
     """Find every stretch of time over which a joint uses at least this share of a limit.
 
     Each piece is looked at on a grid that contains its ends, seen from both sides, and the exact peaks; the ends of a
@@ -51,6 +53,8 @@ def limit_uses(motion: Motion, limits: JointLimits, share: float = SATURATED) ->
     motion : Motion
     limits : JointLimits
     share : float
+    extrema : sequence of Extrema, optional
+        Of velocity, acceleration and jerk, where they are known already.
 
     Returns
     -------
@@ -59,10 +63,10 @@ def limit_uses(motion: Motion, limits: JointLimits, share: float = SATURATED) ->
     """
     uses: list[Use] = []
     for order, limit in enumerate(limits.rates, start=1):
-        extrema = motion.extrema(order)
-        if (extrema.peak < share * limit).all():
+        extreme = extrema[order - 1] if extrema else motion.extrema(order)
+        if (extreme.peak < share * limit).all():
             continue
-        times = _times(motion, extrema)
+        times = _times(motion, extreme)
         active = np.abs(motion(times, order)) >= share * limit
         for joint in np.flatnonzero(active.any(axis=0)):
             edges = _stretches(active[:, joint])

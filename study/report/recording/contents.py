@@ -17,7 +17,7 @@ from study.problem import Floats, JointLimits
 from study.report.activity import Use, limit_uses
 from study.report.featured import Featured, featured
 from study.report.rows import Entry, entries_of
-from study.trajectory import Motion
+from study.trajectory import Extrema, Motion
 
 NANOSECOND = 1e-9
 FIRST_LOOK = 6
@@ -83,7 +83,16 @@ class Shown:
     @cached_property
     def uses(self) -> tuple[Use, ...]:
         """When which limit is active."""
-        return limit_uses(self.motion, self.limits)
+        return limit_uses(self.motion, self.limits, extrema=self.extrema[1:])
+
+    @cached_property
+    def extrema(self) -> tuple[Extrema, ...]:
+        """Peaks of position, velocity, acceleration and jerk."""
+        return tuple(self.motion.extrema(order) for order in range(4))
+
+    def times(self, samples: int) -> np.ndarray:
+        """Whole nanoseconds at which the motion is written down, shape (n_times,); see `sample_times`."""
+        return sample_times(self.motion, samples, self.extrema)
 
     @property
     def label(self) -> str:
@@ -228,7 +237,7 @@ def _distance(one: Sequence[int], other: Sequence[int]) -> float:
     return float(np.linalg.norm(np.subtract(one, other)))
 
 
-def sample_times(motion: Motion, samples: int) -> np.ndarray:
+def sample_times(motion: Motion, samples: int, extrema: Sequence[Extrema] = ()) -> np.ndarray:
     """Whole nanoseconds at which a motion is written down.
 
     Evenly spaced samples, the exact peaks of position, velocity, acceleration and jerk, and every knot with a
@@ -238,12 +247,14 @@ def sample_times(motion: Motion, samples: int) -> np.ndarray:
     ----------
     motion : Motion
     samples : int
+    extrema : sequence of Extrema, optional
+        Of position, velocity, acceleration and jerk, where they are known already.
 
     Returns
     -------
     int64 array of shape (n_times,), ns
     """
-    peaks = [times for order in range(4) for times in motion.extrema(order)[1::2]]
+    peaks = [times for extreme in extrema or map(motion.extrema, range(4)) for times in extreme[1::2]]
     end = int(np.floor(motion.duration / NANOSECOND))
     knots = np.rint(motion.knots / NANOSECOND)
     even = np.linspace(0.0, end, samples)

@@ -9,7 +9,7 @@ from study.experiment.cases import Case
 from study.judge import RATES
 from study.problem import Floats
 from study.report.activity import Use, lane
-from study.report.recording.contents import NANOSECOND, PALETTE, Contents, Shown, sample_times, seconds
+from study.report.recording.contents import NANOSECOND, PALETTE, Contents, Shown, seconds
 from study.report.recording.pictures import log_key
 from study.report.recording.stream import LIMIT_COLOR, SIGNALS, entity, method, time_column
 from study.trajectory import Motion
@@ -24,7 +24,7 @@ def log_signals(stream: rr.RecordingStream, contents: Contents) -> None:
     log_limits(stream, contents)
     names = contents.case.problem.joint_names
     for one in contents.shown:
-        times = sample_times(one.motion, contents.samples)
+        times = one.times(contents.samples)
         for order, signal in enumerate(SIGNALS):
             values = one.motion(seconds(times), order)
             for joint, name in enumerate(names):
