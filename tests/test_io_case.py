@@ -119,6 +119,17 @@ def test_a_joint_trajectory_needs_no_units(folder):
     np.testing.assert_array_equal(case.problem.waypoints[1], [1.0, 0.2, -1.0])
 
 
+@pytest.mark.parametrize("unit", ["rad", "deg"])
+def test_a_unit_in_a_column_s_name_must_be_the_case_s(tmp_path, unit):
+    (tmp_path / "points.csv").write_text("a [deg],b (deg)\n10,20\n30,40\n")
+    content = {"units": unit, "waypoints": "points.csv", "limits": PLAIN["limits"]}
+    if unit == "deg":
+        assert load(tmp_path, content).problem.waypoints[0, 0] == pytest.approx(np.pi / 18)
+        return
+    with pytest.raises(StudyError, match=r"column 'a \[deg\]' is in deg, but 'units' says rad; make the two agree"):
+        load(tmp_path, content)
+
+
 def test_obstacles_and_the_arm_that_meets_them(folder):
     content = {
         "units": ["rad", "m"],

@@ -15,7 +15,7 @@ def environment() -> dict[str, str]:
     """Name the versions of Python, the packages that compute and the machine."""
     facts = {"Python": platform.python_version()}
     facts |= {name: _version(name) for name in PACKAGES}
-    facts["peak rates"] = described()
+    facts["curves evaluated with"] = described()
     facts["system"] = f"{platform.system()} {platform.machine()}"
     facts["processor"] = f"{_processor()}, {os.cpu_count()} logical"
     return facts

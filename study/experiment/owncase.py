@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,8 @@ from study.problem import FROM_LIMITS, EndCondition, Floats, JointLimits, Proble
 from study.robots import robot_named
 
 _RATES = ("velocity", "acceleration", "jerk")
+UNIT_IN_NAME = re.compile(rf"[\[(]({'|'.join(SI)})[\])]\s*$")
+"""How a column's name gives its unit, as in `elbow [deg]`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,6 +187,9 @@ def _units(
             f"{where}: {plural(len(units), 'unit')} for {plural(width, 'joint')}; give one for all or one for each"
         )
     for name, unit in zip(names, units, strict=False):
+        said = UNIT_IN_NAME.search(name)
+        if said and said[1] != unit:
+            raise StudyError(f"{where}: column {name!r} is in {said[1]}, but 'units' says {unit}; make the two agree")
         sliding = read[name].sliding if name in read else None
         if sliding is not None and sliding != (SI[unit][0] == "m"):
             kind = "slides, so its unit is m or mm" if sliding else "turns, so its unit is rad or deg"
