@@ -100,7 +100,12 @@ def test_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(stubs, case_file, t
         "--no-report",
     ]
     process = subprocess.Popen(
-        command("run", *arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        command("run", *arguments),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # ignored where a shell runs the tests behind
     )
     path = out / "results.sqlite"
     wait_until(lambda: stored(path) >= 2)

@@ -10,7 +10,7 @@ import pytest
 from study.curves import CURVES
 from study.errors import StudyError
 from study.experiment.cases import load_case
-from study.experiment.registry import planner_named, planner_names
+from study.experiment.registry import planner_named, planner_names, unavailable_planners
 from study.formulation import Penalty
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Meter
@@ -32,7 +32,7 @@ def generators() -> list[np.random.Generator]:
 
 SEARCHES: dict[str, Search[Any]] = {
     name: planner.search
-    for name in planner_names()
+    for name in sorted(set(planner_names()) - set(unavailable_planners()))
     if isinstance(planner := planner_named(name), SegmentTimePlanner) and name != "cma-es"
 } | {
     "gold-sa, linked, every coordinate": GoldSA(linked=True, per_dimension=True),
