@@ -126,6 +126,19 @@ def test_function_findings_by_hand():
     assert list(audit.flags_of(found, [])) == ["a"]
 
 
+def test_one_run_that_is_stuck_decides_nothing_on_the_diagonal():
+    values = {
+        ("a", "f", tasks.ORIGIN): [1.0],
+        ("a", "f", tasks.SHIFTED): [1.0],
+        ("a", "f", tasks.DIAGONAL): [1.0, 2.0, 3.0],
+    }
+    stuck = audit.function_findings(_outcomes(values | {("a", "f", tasks.OFF_DIAGONAL): [4.0, 3.0, 9000.0]}))
+    assert stuck[0].diagonal == 2.0
+    worse = audit.function_findings(_outcomes(values | {("a", "f", tasks.OFF_DIAGONAL): [1.0, 80.0, 90.0]}))
+    assert worse[0].diagonal == 40.0
+    assert list(audit.flags_of(worse, [])) == ["a"]
+
+
 def test_trajectory_findings_by_hand():
     durations = {
         ("a", tasks.AS_IT_IS): [1.0, 2.0, 3.0], ("a", tasks.REFLECTED): [4.0, 5.0, 6.0], ("a", tasks.CENTRED): [1.0, 2.0, 3.0],

@@ -269,7 +269,7 @@ def _audit_page(found: Comparison) -> Page:
             f"Functions: {', '.join(effort.functions)}, {effort.dimensions} dimensions, {effort.population} candidates, "
             f"{effort.generations} generations, {effort.function_seeds} runs; dose and diagonal tests on {', '.join(effort.dosed)}.",
             "The dose test moves the optimum by a ten-thousandth, a hundredth and three tenths of the half range; the diagonal test puts "
-            "it at the same distance on the line of equal coordinates or off it.",
+            "it at the same distance on the line of equal coordinates or off it; there medians count, not a few runs stuck on a wall.",
             "On the trajectory problems the search moves the durations themselves, reflected ones, or ones measured from the middle of "
             "their range. A search that is better with the durations as they are may be flattered by a pull to zero.",
         ],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from study.comparison.contestants import ALWAYS_SCALED, TRIVIAL
 from study.comparison.differences import Omnibus
 from study.comparison.performance import Performance
 from study.comparison.statistics import smallest_pair_p
+from study.report.glossary import PRINTED
 from study.report.wording import listed, percent, plural, seconds
 
 
@@ -69,9 +70,16 @@ def targets_reached(level: str, measured: Sequence[Performance]) -> str:
     )
 
 
+def named(searches: Mapping[str, str]) -> str:
+    """List searches with a remark each, those that follow the papers as printed by their number only."""
+    own = [f"{name}{remark}" for name, remark in searches.items() if not name.endswith(PRINTED)]
+    printed = len(searches) - len(own)
+    return listed([*own, *([f"{printed} as printed"] if printed else [])]) or "none"
+
+
 def functions_audited(found: Sequence[FunctionFinding]) -> str:
     """Say whom the functions flag, and how the standard searches stand."""
-    flagged = [f"{one.search} ({figure(one.shifted)})" for one in found if one.shifted > ALARM]
+    flagged = {one.search: f" ({figure(one.shifted)})" for one in found if one.shifted > ALARM}
     plain = [f"{one.search} ({figure(one.shifted)})" for one in found if one.search in ("pso", "de")]
     rest = (
         f" Not flagged: {listed(plain)}."
@@ -80,7 +88,7 @@ def functions_audited(found: Sequence[FunctionFinding]) -> str:
     )
     return (
         f"On the functions the error of {len(flagged)} of {len(found)} searches grows more than "
-        f"{ALARM:g}-fold when the optimum leaves the origin: {listed(flagged) or 'none'}.{rest}"
+        f"{ALARM:g}-fold when the optimum leaves the origin: {named(flagged)}.{rest}"
     )
 
 
@@ -103,12 +111,12 @@ def trajectories_audited(found: Sequence[TrajectoryFinding]) -> str:
             f"On the trajectory problems no result of {len(names)} searches depends significantly on how the durations "
             "are written."
         )
-    by_search = dict.fromkeys(one.search for one in depends)
+    by_search = dict.fromkeys((one.search for one in depends), "")
     worst = max(depends, key=lambda one: abs(math.log(one.seen / one.as_they_are)))
     flattered = len({one.search for one in depends if one.flattered})
     return (
         f"On the trajectory problems the results of {len(by_search)} of {len(names)} searches depend on how the durations are "
-        f"written ({listed(list(by_search))}), {flattered} of these with a better result for the durations as they are, which "
+        f"written ({named(by_search)}), {flattered} of these with a better result for the durations as they are, which "
         f"a pull to zero flatters. The largest change: {worst.search} on {worst.case} takes {seconds(worst.as_they_are)} with "
         f"the durations as they are and {seconds(worst.seen)} with them {worst.view}."
     )
@@ -177,6 +185,22 @@ def claimed(one: Counterpart) -> str:
     )
 
 
+def claimed_together(found: Sequence[Counterpart]) -> str:
+    """Say what the papers' searches come to, all claims together."""
+
+    def shorter(against: Sequence[Against]) -> str:
+        gains = [one.difference.estimate for one in against if one.difference and one.p < SIGNIFICANT]
+        won = [percent(-gain, signed=False) for gain in sorted(gains, reverse=True) if gain < 0]
+        return f"{len(won)}{f' (by {listed(won)})' if won else ''}"
+
+    ends = sorted(one.above_optimum for one in found)
+    return (
+        f"Of {len(found)} papers' searches, each run its paper's own way, {shorter([one.against_baseline for one in found])} "
+        f"end significantly shorter than the plain search at the same budget, {shorter([one.against_random for one in found])} "
+        f"than random search; against the optimum on the paper's curve they end at {percent(ends[0])} to {percent(ends[-1])}."
+    )
+
+
 def less(found: Against) -> str:
     """Say how much shorter a search's totals are, or longer, and whether that is more than chance."""
     if found.difference is None:
@@ -188,7 +212,10 @@ def less(found: Against) -> str:
 
 def summary(found: Comparison) -> list[str]:
     """Say what the whole comparison comes to."""
-    return [ranking(one) for one in found.omnibus] + [
+    together = [claimed_together(found.claims)] if found.claims else []
+    return [
+        *together,
+        *(ranking(one) for one in found.omnibus),
         functions_audited(found.functions),
         trajectories_audited(found.trajectories),
         matters(found.ablations),
