@@ -14,7 +14,7 @@ from study.search.batch import minimise_many
 from study.search.loop import Box, SideBySide, minimise
 
 TOPIC = "Search overhead"
-POPULATION, DIMENSIONS = 50, 5
+POPULATION, DIMENSIONS = 100, 5
 GENERATIONS, FEW_GENERATIONS = 100, 8
 """Of our searches and of peers that take long."""
 
