@@ -24,6 +24,9 @@ COLORS = 256
 """The viewer's picture is kept small with so many colours."""
 
 WIDTH = 1400
+LETTER = 6.6
+"""Width of a letter of the legend; a browser's own font is rarely wider."""
+
 DASHES = ("", "8 3", "8 3 2 3", "2 2.5", "4 2 1.5 2 1.5 2", "13 4")
 FONT = 'font-family="system-ui, Segoe UI, Roboto, DejaVu Sans, sans-serif"'
 
@@ -98,9 +101,10 @@ def standalone(svg: str, title: str, legend: Sequence[tuple[int, str]]) -> str:
         stroke = f'stroke="var(--s{style + 1})" stroke-width="2" stroke-dasharray="{DASHES[style]}"'
         lines.append(f'<path d="M14 {y - 4}h40" fill="none" {stroke}/>')
         lines.append(f'<text x="62" y="{y}" font-size="12" fill="var(--ink)" {FONT}>{escape(name)}</text>')
+    across = max([width, *(76.0 + LETTER * len(name) for _, name in legend)])
     whole = (
         f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
-        f'viewBox="0 0 {width} {height + top}" width="{width}" height="{height + top}">'
+        f'viewBox="0 0 {across:g} {height + top}" width="{across:g}" height="{height + top}">'
         f'<rect width="100%" height="100%" fill="var(--paper)"/>{"".join(lines)}{inner}</svg>\n'
     )
     return re.sub(r"var\(--(\w+)\)", lambda found: colors[found[1]], whole)
