@@ -68,10 +68,16 @@ def test_names_are_escaped_and_the_ground_is_light() -> None:
     figure = '<svg viewBox="0 0 100 50" style="max-width:125px"><path fill="var(--s1)"/></svg>'
     text = standalone(figure, "a < b", [(0, "<b>")])
     root = ET.fromstring(text)
-    assert root.get("viewBox") == "0 0 100.0 102.0"
+    assert root.get("viewBox") == "0 0 100 102.0"
     assert [one.text for one in root.iter("{http://www.w3.org/2000/svg}text")] == ["a < b", "<b>"]
     assert "var(" not in text
     assert 'fill="#ffffff"' in text
+
+
+def test_a_picture_is_as_wide_as_its_legend() -> None:
+    figure = '<svg viewBox="0 0 100 50" style="max-width:125px"></svg>'
+    width = float(ET.fromstring(standalone(figure, "a", [(0, "n" * 40)])).get("width") or 0)
+    assert width > 62 + 40 * 6
 
 
 def test_the_pictures_of_the_readme_are_there() -> None:
