@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
-
 from study.bench import figures, wording
 from study.bench.run import Bench, read
 from study.errors import StudyError
+from study.report.rendering import render
 
 
 def write_page(record: Path, out: Path) -> Path:
@@ -43,25 +41,16 @@ def write_page(record: Path, out: Path) -> Path:
 
 
 def _render(bench: Bench, linked: bool) -> str:
-    report = PackageLoader("study.report", "templates")
-    environment = Environment(
-        loader=ChoiceLoader([PackageLoader("study.bench", "templates"), report]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    source = {name: Markup(report.get_source(environment, f"report.{name}")[0]) for name in ("css", "js")}  # noqa: S704
-    return environment.get_template("performance.html.j2").render(
-        **source,
-        linked=linked,
-        answer=wording.summary(bench),
-        reading=wording.READING,
-        head=wording.HEAD,
-        topics=[(topic, [wording.cells(row) for row in rows]) for topic, rows in wording.topics(bench.rows)],
-        growth=figures.growth(bench.growth),
-        styles=figures.styles(bench.growth),
-        points=bench.growth,
-        label=figures.label,
-        environment=bench.environment,
-    )
+    context = {
+        "linked": linked,
+        "answer": wording.summary(bench),
+        "reading": wording.READING,
+        "head": wording.HEAD,
+        "topics": [(topic, [wording.cells(row) for row in rows]) for topic, rows in wording.topics(bench.rows)],
+        "growth": figures.growth(bench.growth),
+        "styles": figures.styles(bench.growth),
+        "points": bench.growth,
+        "label": figures.label,
+        "environment": bench.environment,
+    }
+    return render("performance.html.j2", context, package="study.bench")

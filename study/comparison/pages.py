@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from study.comparison import figures, grids, records, sentences
@@ -18,6 +17,7 @@ from study.comparison.grids import Grid
 from study.comparison.ioh import write_ioh
 from study.comparison.performance import anytime, distributions
 from study.errors import StudyError
+from study.report.rendering import render
 
 PAGES = {
     "index": "Claims",
@@ -92,7 +92,8 @@ def write_pages(found: Comparison, out: Path, environment: Mapping[str, str]) ->
         records.write_tables(out / "tables", tables)
         write_ioh(out / "ioh", [one for level in found.levels.values() for one in level], segments)
         for slug, page in built.items():
-            text = _render(page, {**shared, "current": slug, "pages": PAGES, "flags": found.flags})
+            context = {**vars(page), **shared, "current": slug, "pages": PAGES, "flags": found.flags}
+            text = render("comparison.html.j2", context, package="study.comparison")
             (out / f"{slug}.html").write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
         raise StudyError(
@@ -114,20 +115,6 @@ def tables_of(found: Comparison) -> dict[str, list[records.Record]]:
         "ablations": records.ablation_records(found.ablations),
         "claims": records.claim_records(found.claims, found.flags),
     }
-
-
-def _render(page: Page, context: Mapping[str, object]) -> str:
-    report = PackageLoader("study.report", "templates")
-    environment = Environment(
-        loader=ChoiceLoader([PackageLoader("study.comparison", "templates"), report]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    source = {name: Markup(report.get_source(environment, f"report.{name}")[0]) for name in ("css", "js")}  # noqa: S704
-    template = environment.get_template("comparison.html.j2")
-    return template.render(**vars(page), **source, **context)
 
 
 def _claims_page(found: Comparison) -> Page:

@@ -8,7 +8,6 @@ from pathlib import Path
 from types import MappingProxyType
 from urllib.parse import quote
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from study.errors import StudyError
@@ -25,6 +24,7 @@ from study.report.glossary import glossary
 from study.report.ladder import Rung, ladder_of
 from study.report.motions import motion_files, write_motions
 from study.report.papers import paper_of
+from study.report.rendering import render
 from study.report.rows import MEANING, Entry, entries_of, known_times
 from study.report.sentences import answer, case_answer
 from study.report.tables import COLUMNS, Record, raw, result_record, write_tables
@@ -148,17 +148,12 @@ def slugs(cases: Iterable[Case]) -> dict[str, Case]:
 
 
 def _render(template: str, context: Mapping[str, object]) -> str:
-    loader = PackageLoader("study.report", "templates")
-    environment = Environment(
-        loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {
+    filters = {
         name: getattr(wording, name)
         for name in ("seconds", "change", "wall", "percent", "share", "count", "plural", "listed", "coded")
     }
-    source = {name: Markup(loader.get_source(environment, f"report.{name}")[0]) for name in ("css", "js")}  # noqa: S704
     shared = {"rates": RATES, "raw": raw, "columns": COLUMNS, "role_names": ROLE_NAMES, "meaning": MEANING}
-    return environment.get_template(template).render(**shared, **source, **context)
+    return render(template, {**shared, **context}, filters=filters)
 
 
 def _index_page(

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from study.errors import StudyError
@@ -17,6 +16,7 @@ from study.experiment.ledger import ledger
 from study.experiment.published import Table, papers, tables
 from study.report import figures as report_figures
 from study.report.drawn import Series
+from study.report.rendering import render
 from study.reproduction import figures
 from study.reproduction.benchmark_table import BenchmarkTable
 from study.reproduction.book import MODULES, Entry
@@ -275,13 +275,4 @@ def _profiles(key: str, drive: Drive) -> Drawn:
 
 
 def _render(template: str, context: Mapping[str, object]) -> str:
-    report = PackageLoader("study.report", "templates")
-    environment = Environment(
-        loader=ChoiceLoader([PackageLoader("study.reproduction", "templates"), report]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    source = {name: Markup(report.get_source(environment, f"report.{name}")[0]) for name in ("css", "js")}  # noqa: S704
-    return environment.get_template(template).render(rules=RULES, tags=TAGS, **source, **context)
+    return render(template, {"rules": RULES, "tags": TAGS, **context}, package="study.reproduction")
