@@ -87,9 +87,7 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
         waypoints=table if rows and rows.si else table * factors,
         limits=_limits(file.limits, [read.get(name, OneJoint()) for name in names], factors, where),
         end=_end(file, read),
-        duration_bounds=FROM_LIMITS
-        if not file.duration_bounds
-        else (file.duration_bounds.lower, file.duration_bounds.upper),
+        duration_bounds=_duration_bounds(file),
         joint_names=names,
     )
     robot = _robot(file.robot, path, problem)
@@ -109,6 +107,11 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
             "limits": ", ".join(limit_files) or path.name,
         },
     )
+
+
+def _duration_bounds(file: OwnCase) -> tuple[float, float]:
+    bounds = file.duration_bounds
+    return (bounds.lower, bounds.upper) if bounds else FROM_LIMITS
 
 
 def bare_content(path: Path, units: str | None, limits: Sequence[Path]) -> dict[str, Any]:
