@@ -175,7 +175,7 @@ def show(
         console.print(terminal.rows_table(case, [row for row in rows if row.case == case.name], flagged))
     if with_report:
         with console.status("writing the report and the recordings"):
-            page, recordings = write(cases, results, out, interactive)
+            page, recordings = write(cases, results, out, flagged, interactive)
         console.print(
             f"report: {page}", f"recordings: {recordings} (open one with `study view CASE`)", sep="\n", soft_wrap=True
         )
@@ -183,9 +183,13 @@ def show(
 
 
 def write(
-    cases: Mapping[str, Case], results: Sequence[Result], out: Path, interactive: bool = False
+    cases: Mapping[str, Case],
+    results: Sequence[Result],
+    out: Path,
+    flagged: Mapping[str, str],
+    interactive: bool = False,
 ) -> tuple[Path, Path]:
-    """Write report and recordings; where the report's first page and the recordings are."""
+    """Write report and recordings, searches that are flagged marked; where the report's first page and the recordings are."""
     _keep_to_oneself()
     from study.report.page import build_report, slugs, write_viewers  # here: matplotlib and rerun are slow to import
     from study.report.recording import forget_pages, interactive_pages, record_case
@@ -200,7 +204,7 @@ def write(
         files = {slug: recording_file(out, case.name) for slug, case in shown.items()}
         write_viewers(interactive_pages(files, out / "report"), shown, out / "report")
     sources = remembered_lineup(out / STORE_NAME)[1] if (out / STORE_NAME).is_file() else {}
-    index = build_report(cases, results, out / "report", environment(), audit_flags(out), sources)
+    index = build_report(cases, results, out / "report", environment(), flagged, sources)
     return index, out / "recordings"
 
 
