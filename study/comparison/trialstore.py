@@ -22,7 +22,7 @@ from study.errors import StudyError
 from study.experiment.codec import canonical, problem_digest
 from study.experiment.codeversion import code_digest
 from study.experiment.store import Store, row_digest
-from study.experiment.storefile import explained, locked
+from study.experiment.storefile import explained, locked, transaction
 from study.problem import Problem
 
 TOGETHER = 30
@@ -127,10 +127,8 @@ class TrialStore:
             key, content = key_of(job), canonical(asdict(job.trial))
             digest = trial_digest(key, content, one.value, one.reason)
             rows.append((key, content, one.value, one.reason, one.wall_time, digest))
-        with explained(self.path):
-            self._connection.execute("BEGIN IMMEDIATE")
+        with explained(self.path), transaction(self._connection):
             self._connection.executemany("INSERT OR IGNORE INTO trials VALUES (?, ?, ?, ?, ?, ?)", rows)
-            self._connection.execute("COMMIT")
 
     def note(self, name: str, text: str) -> None:
         """Keep a finding drawn from the outcomes, in the place of an older one of that name."""

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from types import TracebackType
@@ -30,7 +29,7 @@ from study.experiment.codec import (
 from study.experiment.layout import SCHEMA_VERSION, lay_out
 from study.experiment.registry import planner_code
 from study.experiment.results import Cell, Result
-from study.experiment.storefile import check_file, explained, locked, make_folder, read_only
+from study.experiment.storefile import check_file, explained, locked, make_folder, read_only, transaction
 from study.planning import Status
 
 CHECKED = "key, case_name, planner, settings, seed, version, status, feasible, duration, worst_ratio, evaluations"
@@ -132,7 +131,7 @@ class Store:
             If the file cannot be written, as on a full disk; what was stored before is safe.
         """
         rows = {str(row[0]): (row, payload) for row, payload in map(self._row, results)}
-        with explained(self.path), self._transaction():
+        with explained(self.path), transaction(self._connection):
             for key in self._known(rows):
                 if replace:
                     self._forget(key)
@@ -169,17 +168,6 @@ class Store:
         )
         digest = row_digest(columns, *payload)
         return (*columns, digest, float(result.wall_time), encode_times(result), cell.label), payload
-
-    @contextmanager
-    def _transaction(self) -> Iterator[None]:
-        self._connection.execute("BEGIN IMMEDIATE")
-        try:
-            yield
-            self._connection.execute("COMMIT")
-        except BaseException:
-            if self._connection.in_transaction:
-                self._connection.execute("ROLLBACK")
-            raise
 
     def missing(self, cells: Iterable[Cell]) -> list[Cell]:
         """Cells that have no stored result, in the order given."""
@@ -230,7 +218,7 @@ class Store:
             (i, cell.case, cell.planner, cell.label, settings_text(cell.settings), sources[cell.case])
             for i, cell in enumerate(cells)
         ]
-        with explained(self.path), self._transaction():
+        with explained(self.path), transaction(self._connection):
             self._connection.execute("DELETE FROM lineup")
             self._connection.executemany("INSERT INTO lineup VALUES (?, ?, ?, ?, ?, ?)", rows)
 

@@ -99,3 +99,16 @@ def explained(path: Path) -> Iterator[None]:
         raise StudyError(
             f"cannot use the results file {path}: {error}; results stored before are safe: mend the cause and run again"
         ) from error
+
+
+@contextmanager
+def transaction(connection: sqlite3.Connection) -> Iterator[None]:
+    """Write all of what the block writes, or nothing of it."""
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        yield
+        connection.execute("COMMIT")
+    except BaseException:
+        if connection.in_transaction:
+            connection.execute("ROLLBACK")
+        raise

@@ -14,7 +14,7 @@ from typing import Any
 from study.errors import StudyError
 from study.experiment.registry import planner_code, planner_names
 from study.experiment.store import CHECKED, Store, row_digest
-from study.experiment.storefile import check_file, explained, read_only
+from study.experiment.storefile import check_file, explained, read_only, transaction
 
 COLUMNS = (
     "case_name", "label", "planner", "settings", "seed", "version", "status", "feasible", "duration", "worst_ratio",
@@ -199,7 +199,7 @@ def merge(path: Path, other: Path) -> Merged:
     with Store(path, {}) as store, explained(path):
         connection = store._connection
         connection.execute("ATTACH ? AS other", (str(other.absolute()),))
-        with store._transaction():
+        with transaction(store._connection):
             same = "FROM other.results AS theirs JOIN results AS ours USING (key) WHERE ours.digest"
             known, contrary = (
                 connection.execute(f"SELECT count(*) {same} {sign} theirs.digest").fetchone()[0] for sign in ("=", "!=")
@@ -249,7 +249,7 @@ def compact(path: Path, *, drop_stale: bool = False) -> tuple[int, int]:
     before, dropped = path.stat().st_size, 0
     with Store(path, {}) as store, explained(path):
         if drop_stale:
-            with store._transaction():
+            with transaction(store._connection):
                 dropped = _drop_stale(store._connection)
         store._connection.execute("VACUUM")
         store._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
