@@ -41,7 +41,7 @@ def transcribed_gsa(state, rng):
     masses = [value / sum(m) for value in m]
     share = 0.02 + (1 - 1 / 4) * 0.98
     heavy = sorted(range(n), key=lambda i: -masses[i])[: round(share * n)]
-    draws = rng.random((n, len(heavy), d))
+    draws = rng.random((len(heavy), d, n))
     g = 100 * math.exp(-20 / 4)
     out = np.empty((n, d))
     for i in range(n):
@@ -50,7 +50,7 @@ def transcribed_gsa(state, rng):
             for place, j in enumerate(heavy):
                 if j != i:
                     r = math.dist(x[i], x[j])
-                    pull += draws[i, place, k] * g * masses[j] * (x[j][k] - x[i][k]) / (r + np.finfo(float).eps)
+                    pull += draws[place, k, i] * g * masses[j] * (x[j][k] - x[i][k]) / (r + np.finfo(float).eps)
             out[i, k] = x[i][k] + keep[i, k] * state.velocities[i][k] + pull
     return np.clip(out, -10, 10)
 
