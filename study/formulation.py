@@ -59,8 +59,7 @@ class Penalty:
         """Objective of every candidate, shape (n_candidates,), s."""
         factor = stretch(self.problem, self.curve, durations)
         worst = self.problem.n_segments * self.problem.duration_bounds[1]
-        total = durations.sum(axis=1)
-        return np.where(factor > 1.0, total + worst * (1.0 + (factor - 1.0)), total)
+        return self.curve.penalty(durations, factor, worst)
 
     def realise(self, durations: Floats) -> Floats:
         """Durations to drive, shape (n_candidates, n_segments), s: the candidates themselves."""

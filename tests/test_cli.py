@@ -31,8 +31,8 @@ def sampled(tmp_path, case_file):
 def failing(study_command):
     """Run a command that must end with one sentence and exit code 2; give the sentence."""
 
-    def run(*arguments, **options):
-        ended = study_command(*arguments, **options)
+    def run(*arguments):
+        ended = study_command(*arguments)
         assert ended.returncode == 2, ended.stderr
         assert "Traceback" not in ended.stderr + ended.stdout
         lines = ended.stderr.strip().splitlines()
@@ -43,11 +43,12 @@ def failing(study_command):
     return run
 
 
-def test_help_names_every_command(study_command):
+def test_help_names_every_command(study_command, monkeypatch):
     text = study_command("--help").stdout
     for name in ("list", "run", "report", "view", "check", "cases"):
         assert f" {name} " in text
-    options = study_command("run", "--help", env={**os.environ, "COLUMNS": "120"}).stdout
+    monkeypatch.setenv("COLUMNS", "120")
+    options = study_command("run", "--help").stdout
     for name in ("--seeds", "--cases", "--planners", "--out", "--jobs", "--full", "--evaluations"):
         assert name in options
 

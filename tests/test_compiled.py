@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,12 +13,18 @@ from hypothesis import strategies as st
 
 from study.curves import CURVES, engine
 from study.errors import StudyError
+from study.experiment.registry import planner_named
 from study.formulation import Penalty
+from study.planning import Meter
 from study.problem import Floats
+from study.search.gsa import GSA
+from study.search.loop import Box, Search, minimise
+from study.search.pso import PSO, Flight
 
 pytest.importorskip("numba")
 
 from study.curves import compiled, compiled_353  # after the check that numba is there
+from study.search.compiled import CompiledFlight, CompiledGSA, twin
 
 SHAPES = {"poly353": (4, 6), "cubic-spline": (20, 5), "bspline": (7, 3)}
 steps = st.one_of(
@@ -152,3 +159,53 @@ def test_objective_agrees() -> None:
         Penalty(problem, engine.with_engine(CURVES["poly353"])).__call__(durations),
     ]
     np.testing.assert_allclose(values[0], values[1], rtol=1e-12)
+
+
+SEARCHES: dict[str, Search[Any]] = {
+    name: planner_named(name).search for name in ("pso", "cfpso", "dynamic-adaptive-pso", "chaotic-spso", "gsa")
+} | {
+    f"pso, {flight}": PSO(flight=flight)
+    for flight in (Flight(0.3, "absolute"), Flight(bounds="reflect"), Flight(np.inf, bounds="stop"))
+}
+
+
+def wavy(x: Floats) -> Floats:
+    return np.cos(9.0 * x).sum(axis=1) + (x * x).sum(axis=1)
+
+
+@pytest.mark.parametrize("name", SEARCHES)
+@pytest.mark.parametrize(("population", "dimensions"), [(50, 3), (100, 5), (7, 1)])
+def test_compiled_searches_give_numpys_bits(
+    name: str, population: int, dimensions: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    meters = []
+    for wish in (engine.NUMPY, engine.NUMBA):
+        monkeypatch.setenv(engine.VARIABLE, wish)
+        meter = Meter(wavy, 40 * population - 3)
+        box = Box(np.linspace(-3.0, -1.0, dimensions), np.full(dimensions, 2.0))
+        minimise(SEARCHES[name], meter, box, population, np.random.default_rng(3))
+        meters.append(meter)
+    np.testing.assert_array_equal(meters[0].history, meters[1].history)
+    np.testing.assert_array_equal(meters[0].incumbents, meters[1].incumbents)
+
+
+def test_every_swarm_that_flies_and_gravity_have_compiled_steps() -> None:
+    assert isinstance(twin(GSA(gravity=9.0)), CompiledGSA)
+    assert twin(GSA(gravity=9.0)).gravity == 9.0
+    for name in ("pso", "cfpso", "dynamic-adaptive-pso", "chaotic-spso"):
+        compiled_search = twin(SEARCHES[name])
+        assert type(compiled_search) is type(SEARCHES[name])
+        assert isinstance(compiled_search.flight, CompiledFlight)
+        assert twin(compiled_search) is compiled_search
+    woa = planner_named("woa").search
+    assert twin(woa) is woa
+
+
+@given(st.integers(1, 40), st.integers(1, 6), st.integers(1, 40), st.integers(0, 2**32 - 1))
+@settings(max_examples=60, deadline=None)
+def test_attraction_has_numpys_bits(n: int, dimensions: int, pullers: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    columns = rng.normal(size=(dimensions, n))
+    heavy = columns.T[rng.integers(n, size=pullers)]  # each at no distance from itself
+    inputs = columns, heavy, rng.random(pullers), rng.random((pullers, dimensions, n))
+    np.testing.assert_array_equal(GSA.attraction(*inputs), CompiledGSA.attraction(*inputs))

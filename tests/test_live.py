@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import time
 from collections.abc import Callable, Iterator
@@ -96,10 +95,14 @@ def test_closing_the_viewer_does_not_end_the_run(
 
 
 def test_without_a_display_the_run_does_not_begin(
-    arguments: Arguments, study_command: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
+    arguments: Arguments,
+    study_command: Callable[..., subprocess.CompletedProcess[str]],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    bare = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    ended = study_command(*arguments, env=bare)
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    ended = study_command(*arguments)
     assert ended.returncode == 2
     assert ended.stderr.startswith("study: cannot show the run live: there is no display here; leave out --live")
     assert ended.stderr.count("\n") == 1

@@ -71,6 +71,13 @@ def demand(peaks: Floats, limits: Floats, orders: Orders) -> Floats:
     return result
 
 
+def penalty(durations: Floats, factors: Floats, charge: float) -> Floats:
+    """Penalised total times; see `study.curves.penalised`."""
+    result = np.empty(len(durations))
+    compiled_demand.penalise(durations, factors, charge, result)
+    return result
+
+
 PEAKS = {"poly353": peaks_353, "cubic-spline": peaks_spline, "bspline": peaks_bspline}
 
 

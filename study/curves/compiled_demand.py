@@ -1,4 +1,4 @@
-"""Compiled twin of `study.curves.demanded`: the factor on all durations that peak rates demand."""
+"""Compiled twins of `study.curves.demanded` and `penalised`: from peak rates to an objective value."""
 
 from __future__ import annotations
 
@@ -32,3 +32,21 @@ def fill(peaks: Floats, limits: Floats, orders: tuple[int, ...], result: Floats)
             elif orders[k] == 3:
                 ratio = np.cbrt(ratio)
             result[i] = max(result[i], ratio)
+
+
+@kernel
+def penalise(durations: Floats, factors: Floats, charge: float, result: Floats) -> None:
+    """Write penalised total times.
+
+    Parameters
+    ----------
+    durations : array of shape (n_candidates, n_segments), s
+    factors : array of shape (n_candidates,)
+    charge : float, s
+    result : array of shape (n_candidates,)
+    """
+    for i in range(durations.shape[0]):
+        total = 0.0
+        for k in range(durations.shape[1]):
+            total += durations[i, k]
+        result[i] = total + charge * factors[i] if factors[i] > 1.0 else total

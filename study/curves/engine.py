@@ -7,8 +7,8 @@ last bit, and so results record the engine.
 
 from __future__ import annotations
 
-import importlib
 import os
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
@@ -58,21 +58,38 @@ def with_engine(curve: Curve, evaluations: int | None = None) -> Curve:
     evaluations : int, optional
         Budget of the run; without one the run counts as long.
     """
-    if chosen(evaluations) == NUMPY:
+    compiled = twins(_compiled, evaluations)
+    if compiled is None or curve.name not in compiled.PEAKS:
         return curve
-    twins = _compiled()
-    if twins is None or curve.name not in twins.PEAKS:
-        return curve
-    return replace(curve, peaks=twins.PEAKS[curve.name], demand=twins.demand)
+    return replace(curve, peaks=compiled.PEAKS[curve.name], demand=compiled.demand, penalty=compiled.penalty)
+
+
+def twins(load: Callable[[], ModuleType], evaluations: int | None = None) -> ModuleType | None:
+    """Import compiled twins for a run with that many evaluations; none where NumPy computes.
+
+    Parameters
+    ----------
+    load : callable () -> module
+        Imports them, and numba with them.
+    evaluations : int, optional
+        Budget of the run; without one the run counts as long.
+    """
+    return None if chosen(evaluations) == NUMPY else _loaded(load)
 
 
 @cache
-def _compiled() -> ModuleType | None:
-    """Import the compiled twins; none where numba does not load or finds no folder for its cache."""
+def _loaded(load: Callable[[], ModuleType]) -> ModuleType | None:
+    """Import compiled twins once; none where numba does not load or finds no folder for its cache."""
     try:
-        return importlib.import_module("study.curves.compiled")
+        return load()
     except (ImportError, RuntimeError):
         return None
+
+
+def _compiled() -> ModuleType:
+    from study.curves import compiled
+
+    return compiled
 
 
 def described() -> str:

@@ -18,6 +18,12 @@ def kernel(function: F) -> F:
     return compiled
 
 
+def exact(function: F) -> F:
+    """Compile a function that must give NumPy's own bits: nothing fused, nothing reordered."""
+    compiled: Any = njit(**_OPTIONS | {"fastmath": False})(function)
+    return compiled
+
+
 def inlined(function: F) -> F:
     """Compile a function into its callers, so that their loops can become vector instructions."""
     compiled: Any = njit(inline="always", **_OPTIONS)(function)

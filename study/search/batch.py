@@ -17,6 +17,7 @@ from study.errors import StudyError
 from study.planning import Meter
 from study.problem import Floats
 from study.search.draws import Generators
+from study.search.engine import with_engine
 from study.search.loop import Box, Search, SideBySide, State
 
 
@@ -54,6 +55,7 @@ def minimise_many(
     """
     if not rngs:
         raise StudyError("minimise_many needs at least one random generator, one for each run; got none")
+    search = with_engine(search, budget)
     population = min(population, budget)
     meters = [Meter(objective, budget) for _ in rngs]
     states = [search.init(box, population, -(-budget // population), rng) for rng in rngs]

@@ -18,7 +18,6 @@ from study.search.bounds import bounded
 from study.search.loop import Box, evolved
 from study.search.population import PopulationState, badness, spread_population
 
-
 AT_ONCE = 32
 """Pullers taken together: the arrays for a hundred masses in five dimensions then stay in cache, 128 KB each."""
 
@@ -76,30 +75,30 @@ class GSA:
         share = self.last_pullers + (1.0 - state.progress) * (1.0 - self.last_pullers)
         heavy = np.argsort(-masses, kind="stable")[: max(1, round(share * len(x)))]
         columns, pull = x.T.copy(), np.zeros(x.shape[::-1])
-        for some in np.split(heavy, range(AT_ONCE, len(heavy), AT_ONCE)):
+        for some in (heavy[k : k + AT_ONCE] for k in range(0, len(heavy), AT_ONCE)):
             weights = rng.random((len(some), *columns.shape))
-            pull += attraction(columns, x[some], masses[some], weights)
+            pull += self.attraction(columns, x[some], masses[some], weights)
         return pull.T
 
+    @staticmethod
+    def attraction(columns: Floats, pullers: Floats, masses: Floats, weights: Floats) -> Floats:
+        """Sum of the pulls on every mass, each along the line to its puller and as strong as the puller's mass.
 
-def attraction(columns: Floats, pullers: Floats, masses: Floats, weights: Floats) -> Floats:
-    """Sum of the pulls on every mass, each along the line to its puller and as strong as the puller's mass.
+        Parameters
+        ----------
+        columns : array of shape (n_dimensions, n_candidates)
+            Where the masses are: the long rows are the inner ones.
+        pullers : array of shape (n_pullers, n_dimensions)
+        masses : array of shape (n_pullers,)
+        weights : array of shape (n_pullers, n_dimensions, n_candidates)
+            Random weight of every pull in every dimension, Eq. (9).
 
-    Parameters
-    ----------
-    columns : array of shape (n_dimensions, n_candidates)
-        Where the masses are: the long rows are the inner ones.
-    pullers : array of shape (n_pullers, n_dimensions)
-    masses : array of shape (n_pullers,)
-    weights : array of shape (n_pullers, n_dimensions, n_candidates)
-        Random weight of every pull in every dimension, Eq. (9).
-
-    Returns
-    -------
-    array of shape (n_dimensions, n_candidates)
-    """
-    pulls = pullers[:, :, None] - columns
-    distances = np.sqrt((pulls * pulls).sum(axis=1)) + np.finfo(float).eps  # eq. (8)
-    pulls *= weights
-    pulls *= (masses[:, None] / distances)[:, None]
-    return pulls.sum(axis=0)
+        Returns
+        -------
+        array of shape (n_dimensions, n_candidates)
+        """
+        pulls = pullers[:, :, None] - columns
+        distances = np.sqrt((pulls * pulls).sum(axis=1)) + np.finfo(float).eps  # eq. (8)
+        pulls *= weights
+        pulls *= (masses[:, None] / distances)[:, None]
+        return pulls.sum(axis=0)

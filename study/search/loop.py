@@ -11,6 +11,7 @@ import numpy as np
 
 from study.planning import Meter
 from study.problem import Floats
+from study.search.engine import with_engine
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +134,7 @@ def minimise(search: Search[S], meter: Meter, box: Box, population: int, rng: np
     State
         The last state of the search.
     """
+    search = with_engine(search, meter.budget)
     population = min(population, meter.budget)
     generations = -(-meter.budget // population)
     state = search.init(box, population, generations, rng)

@@ -15,13 +15,15 @@ import numpy as np
 
 from study.errors import unknown
 from study.problem import Floats
-from study.search.bounds import bounded
+from study.search.bounds import Moved, bounded
 from study.search.draws import Rng
 from study.search.loop import Box, SideBySide, State, evolved
 
 CLAMPS = ("absolute", "share")
 Scalars = Floats | float
 """One number, or one for each of several runs side by side, shape (n_runs, 1, 1)."""
+
+Weights = tuple[Scalars, Scalars, Scalars]
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,37 +115,41 @@ class Flight:
 
     def clamped(self, box: Box, velocities: Floats) -> Floats:
         """Cut velocities off at the clamp."""
-        slowest, fastest = _clamps(self, box, velocities.shape)
+        slowest, fastest = clamps(self, box, velocities.shape)
         return np.minimum(np.maximum(velocities, slowest), fastest)
+
+    def moved(self, state: SwarmState, weights: Weights, draws: Floats) -> Moved:
+        """Positions and velocities of the next generation.
+
+        Parameters
+        ----------
+        state : SwarmState
+        weights : inertia w and learning factors c1, c2
+        draws : array of shape (2, n_candidates, n_dimensions)
+            Uniform random numbers.
+
+        References
+        ----------
+        Woodworking paper, Eqs. (20), (21).
+        """
+        w, c1, c2 = weights
+        x, (r1, r2) = state.candidates, draws
+        v = w * state.velocities + c1 * r1 * (state.own_best - x) + c2 * r2 * (state.incumbent - x)  # eq. (20)
+        v = self.clamped(state.box, v)
+        return bounded(self.bounds, state.box, x + v, v)  # eq. (21)
 
 
 @lru_cache(maxsize=8)
-def _clamps(flight: Flight, box: Box, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
+def clamps(flight: Flight, box: Box, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
     """Least and greatest velocities repeated for a population of that shape, as `study.search.bounds.walls`."""
     limit = np.broadcast_to(flight.clamp * box.width if flight.unit == "share" else flight.clamp, shape)
     return -limit, limit.copy()
 
 
-def flown(state: SwarmState, rng: Rng, weights: tuple[Scalars, Scalars, Scalars], flight: Flight) -> SwarmState:
-    """Velocity and position update shared by all swarms with velocities.
-
-    Parameters
-    ----------
-    state : SwarmState
-    rng : Rng
-    weights : inertia w and learning factors c1, c2
-    flight : Flight
-
-    References
-    ----------
-    Woodworking paper, Eqs. (20), (21).
-    """
-    w, c1, c2 = weights
-    x = state.candidates
-    r1, r2 = rng.random((2, *x.shape[-2:]))
-    v = w * state.velocities + c1 * r1 * (state.own_best - x) + c2 * r2 * (state.incumbent - x)  # eq. (20)
-    v = flight.clamped(state.box, v)
-    x, v = bounded(flight.bounds, state.box, x + v, v)  # eq. (21)
+def flown(state: SwarmState, rng: Rng, weights: Weights, flight: Flight) -> SwarmState:
+    """Move a swarm: shared by all swarms with velocities; see `Flight.moved`."""
+    draws = rng.random((2, *state.candidates.shape[-2:]))
+    x, v = flight.moved(state, weights, draws)
     return evolved(state, candidates=x, velocities=v)
 
 
