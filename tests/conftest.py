@@ -128,18 +128,19 @@ def study_process() -> Callable[..., subprocess.CompletedProcess[str]]:
 
 @pytest.fixture
 def study_command() -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Run the command `study` within this process."""
+    return run_here
+
+
+def run_here(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
     """Run the command `study` within this process, which is spared a second of imports; no error may escape from it."""
-
-    def run(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-        out, errors = io.StringIO(), io.StringIO()
-        with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(errors):
-            patch.setattr(sys, "argv", ["study", *map(str, arguments)])
-            patch.chdir(cwd or Path.cwd())
-            with pytest.raises(SystemExit) as end:
-                main()
-        return subprocess.CompletedProcess(sys.argv, end.value.code or 0, out.getvalue(), errors.getvalue())
-
-    return run
+    out, errors = io.StringIO(), io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(errors):
+        patch.setattr(sys, "argv", ["study", *map(str, arguments)])
+        patch.chdir(cwd or Path.cwd())
+        with pytest.raises(SystemExit) as end:
+            main()
+    return subprocess.CompletedProcess(arguments, end.value.code or 0, out.getvalue(), errors.getvalue())
 
 
 def command(*arguments: object) -> list[str]:

@@ -43,6 +43,18 @@ def failing(study_command):
     return run
 
 
+def test_a_process_of_its_own_says_and_ends_the_same(study_command, study_process, sampled, case_file):
+    """Other tests run the command within their own process."""
+    for arguments, status in (
+        (["cases", "show", "woodworking"], 0),
+        (["cases", "show", "wood"], 2),
+        (["check", sampled(pace=0.3), "--case", case_file], 3),
+    ):
+        here, there = study_command(*arguments), study_process(*arguments)
+        assert (here.returncode, here.stdout, here.stderr) == (there.returncode, there.stdout, there.stderr)
+        assert here.returncode == status
+
+
 def test_help_names_every_command(study_command, monkeypatch):
     text = study_command("--help").stdout
     for name in ("list", "run", "report", "view", "check", "cases"):

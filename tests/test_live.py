@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -74,16 +75,29 @@ def test_every_finished_cell_arrives_in_the_viewer(arguments: Arguments, monkeyp
 
 @can_draw
 @pytest.mark.timeout(180)
+@pytest.mark.parametrize(
+    "connected", [True, pytest.param(False, marks=pytest.mark.slow)]
+)  # a vain connection waits long
 def test_closing_the_viewer_does_not_end_the_run(
-    arguments: Arguments, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    arguments: Arguments, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, connected: bool
 ) -> None:
     @contextmanager
     def closed_soon() -> Iterator[tuple[LiveRecording, str]]:
         with recording.live.running_viewer((640, 480)) as (process, port):
             live = LiveRecording(recording.live.address(port))
-            process.kill()
-            process.wait()
+            show = live.show
+
+            def show_and_close(*shown: Any) -> None:
+                if connected:
+                    show(*shown)
+                process.kill()
+                process.wait()
+                if not connected:
+                    show(*shown)
+
+            monkeypatch.setattr(live, "show", show_and_close)
             yield live, ""
+            assert process.poll() is not None
             live.close()
 
     monkeypatch.setattr(recording, "live_recording", closed_soon)

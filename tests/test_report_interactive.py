@@ -15,6 +15,7 @@ from PIL import Image
 from study.errors import StudyError
 from study.report.recording import offline
 from tests.browser import browser
+from tests.conftest import CASE_FILE, run_here
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="no chromium is installed")
@@ -23,14 +24,12 @@ Command = Callable[..., subprocess.CompletedProcess[str]]
 
 @pytest.fixture(scope="module")
 def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    from tests.conftest import CASE_FILE, command
-
     folder = tmp_path_factory.mktemp("interactive")
     case = folder / "mini.yaml"
     case.write_text(CASE_FILE.replace("title: A case of one's own", "title: '<b>mine</b>'"))
     arguments = ["--cases", case, "--planners", "pso,centre", "--seeds", 1, "--evaluations", 60, "--no-report"]
     for words in (["run", *arguments, "--jobs", 1], ["report", "--interactive"]):
-        done = subprocess.run(command(*words, "--out", folder / "o"), capture_output=True, text=True, timeout=110)
+        done = run_here(*words, "--out", folder / "o")
         assert done.returncode == 0, done.stderr
     return folder / "o"
 
