@@ -23,6 +23,7 @@ G. P. McCormick, Computability of global solutions to factorable nonconvex progr
 from __future__ import annotations
 
 import heapq
+import time
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,6 +31,7 @@ import numpy as np
 from scipy import sparse
 from scipy.optimize import linprog
 
+from study.deadline import noted
 from study.problem import Floats, Problem
 
 SAFETY = 1e-5
@@ -222,7 +224,9 @@ def shortest_durations(problem: Problem) -> Floats:
     return shortest
 
 
-def spline_bound(problem: Problem, total: float, most: int = 200, gap: float = 1e-3) -> tuple[float, int]:
+def spline_bound(
+    problem: Problem, total: float, most: int = 200, gap: float = 1e-3, deadline: float = np.inf
+) -> tuple[float, int]:
     """Bound the total time of all clamped cubic splines through the waypoints from below.
 
     Parameters
@@ -234,6 +238,8 @@ def spline_bound(problem: Problem, total: float, most: int = 200, gap: float = 1
         Linear programmes at most.
     gap : float
         Relative distance to `total` at which it ends.
+    deadline : float, s
+        On the clock of `time.perf_counter`: after it no box is cut any more. The bound holds all the same.
 
     Returns
     -------
@@ -249,6 +255,8 @@ def spline_bound(problem: Problem, total: float, most: int = 200, gap: float = 1
     heap: list[tuple[float, int, Floats, Floats]] = [(float(low.sum()), 0, low, np.full(len(low), np.inf))]
     done = 0
     while heap and done < most and heap[0][0] < ceiling * (1 - gap):
+        if noted(time.perf_counter() > deadline):
+            break
         known, _, low, high = heapq.heappop(heap)
         for lower, upper in [(low, high)] if done == 0 else _halves(low, high):
             upper = np.minimum(upper, ceiling - (lower.sum() - lower))

@@ -11,9 +11,11 @@ import numpy as np
 from baselines.free_path_nlp import free_path
 from baselines.lower_bounds import bound
 from baselines.ruckig_via import ruckig_via
+from study.deadline import noted
 from study.judge import judge
 from study.planning import Plan, RunSettings, Status
 from study.problem import Problem
+from study.trajectory import Motion
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,7 @@ class AnyMotionBound:
     """Planner `any-motion-bound`: a time that no motion through the waypoints within the limits can undercut.
 
     A fast motion makes the bound tighter, so Ruckig through the waypoints and the free-path NLP are asked for one first; the
-    bound is valid whatever they find.
+    bound is valid whatever they find. At the time limit it is the best bound proved until then.
 
     Parameters
     ----------
@@ -47,11 +49,12 @@ class AnyMotionBound:
         if not np.ptp(problem.waypoints, axis=0).any():
             return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
         deadline = time.monotonic() + settings.time_limit
-        via = ruckig_via(problem, time_limit=settings.time_limit)[0]
-        left = max(deadline - time.monotonic(), 0.1 * settings.time_limit)
-        motions = (via, free_path(problem, time_limit=left).motion)
+        motions: list[Motion] = [ruckig_via(problem, time_limit=settings.time_limit)[0]]
+        if not noted((left := deadline - time.monotonic()) <= 0):
+            left = max(left, 0.1 * settings.time_limit)
+            motions.append(free_path(problem, time_limit=left, deadline=deadline).motion)
         known = min((motion.duration for motion in motions if judge(problem, motion).feasible), default=np.inf)
-        found = bound(problem, known, self.n_cells, self.refinements)
+        found = bound(problem, known, self.n_cells, self.refinements, deadline=deadline)
         return Plan(
             Status.FINISHED,
             iterations=found.rounds,

@@ -21,6 +21,7 @@ from baselines._branch_bound import Enclosure, enclose
 from baselines._family_bspline import velocity_bound
 from baselines.casadi_nlp import optimise
 from study.curves import curve_named
+from study.deadline import noted
 from study.errors import unknown
 from study.formulation import Scaled
 from study.planning import Plan, RunSettings, Status
@@ -84,23 +85,40 @@ def _spline_obstacle(problem: Problem) -> str:
     return ""
 
 
-def enclose_curve(problem: Problem, curve: str, *, seed: int = 0, time_limit: float = 60.0) -> Certificate:
+def enclose_curve(problem: Problem, curve: str, *, seed: int, time_limit: float, deadline: float) -> Certificate:
     """Enclose the shortest total time on any curve for which `obstacle` is empty, all joints together.
 
     Only for 3-5-3 curves is the gap always closed; the others keep one, which is stated.
+
+    Parameters
+    ----------
+    problem : Problem
+    curve : str
+    seed : int
+        Of the NLP's starts.
+    time_limit : float, s
+        This problem's share.
+    deadline : float, s
+        Of all shares, on the clock of `time.perf_counter`: after it the NLP is left out and boxes are not cut any more. Both
+        bounds hold all the same.
 
     Raises
     ------
     StudyError
         If CasADi is missing, or the curve does not fit the waypoints.
     """
+    if noted(time.perf_counter() > deadline):
+        time_limit = 0.0
     if curve == "poly353":
         return certify(problem, seed=seed, time_limit=time_limit)
-    durations = optimise(problem, curve, seed=seed, time_limit=time_limit).durations
+    durations = _optimum(problem, curve, seed, time_limit)
     if not np.isfinite(durations).all():
         durations = Scaled(problem, curve_named(curve)).realise(np.ones((1, problem.n_segments)))[0]
     upper = float(durations.sum())
-    lower, boxes = (velocity_bound(problem), 1) if curve == "bspline" else spline_bound(problem, upper)
+    if curve == "bspline":
+        lower, boxes = velocity_bound(problem), 1
+    else:
+        lower, boxes = spline_bound(problem, upper, deadline=deadline)
     return Certificate(lower, upper, durations, boxes, upper <= lower * (1 + GAP))
 
 
@@ -142,9 +160,16 @@ def certify(problem: Problem, *, seed: int = 0, time_limit: float = 60.0) -> Cer
 
 def _reachable(problem: Problem, scaled: Scaled, seed: int, time_limit: float) -> Floats:
     """Feasible durations: the NLP's answer, or equal ones where it has none."""
-    answer = optimise(problem, "poly353", seed=seed, time_limit=time_limit / 2).durations
+    answer = _optimum(problem, "poly353", seed, time_limit / 2)
     candidate = answer if np.isfinite(answer).all() else np.ones(3)
     return np.asarray(scaled.realise(candidate[None])[0])
+
+
+def _optimum(problem: Problem, curve: str, seed: int, time_limit: float) -> Floats:
+    """Durations of the NLP, infinite where it has none or no time."""
+    if time_limit <= 0:
+        return np.full(problem.n_segments, np.inf)
+    return optimise(problem, curve, seed=seed, time_limit=time_limit).durations
 
 
 @dataclass(frozen=True)
@@ -172,8 +197,11 @@ class Certified:
         reason = next((text for text in (obstacle(part, settings.curve) for part in parts) if text), "")
         if reason:
             return Plan(Status.NOT_APPLICABLE, message=reason)
-        share = settings.time_limit / len(parts)
-        found = [enclose_curve(part, settings.curve, seed=settings.seed, time_limit=share) for part in parts]
+        share, deadline = settings.time_limit / len(parts), time.perf_counter() + settings.time_limit
+        found = [
+            enclose_curve(part, settings.curve, seed=settings.seed, time_limit=share, deadline=deadline)
+            for part in parts
+        ]
         durations = np.max([one.durations for one in found], axis=0)
         finished = all(one.finished for one in found)
         gap = max(one.upper / one.lower - 1 if one.lower else np.inf for one in found)

@@ -150,7 +150,7 @@ def surplus(problem: Problem, pieces: int) -> int:
     return n + len(units.cubic) * cubic + len(units.quadratic) * quadratic
 
 
-def free_path(problem: Problem, pieces: int = 8, time_limit: float = 60.0) -> FreePath:
+def free_path(problem: Problem, pieces: int = 8, time_limit: float = 60.0, deadline: float = np.inf) -> FreePath:
     """Solve the free-path NLP from two starts and keep the faster motion.
 
     Parameters
@@ -160,6 +160,8 @@ def free_path(problem: Problem, pieces: int = 8, time_limit: float = 60.0) -> Fr
         Equal pieces per segment, K.
     time_limit : float, s
         For all of it, as near as the solver can keep it.
+    deadline : float, s
+        Of whoever asks, on the clock of `time.monotonic`: after it one start is enough.
 
     Raises
     ------
@@ -177,10 +179,12 @@ def free_path(problem: Problem, pieces: int = 8, time_limit: float = 60.0) -> Fr
             f"free-path NLP: {pieces} pieces per segment leave {lacking} more equations than unknowns on case "
             f"{problem.name!r}, so that no motion meets them; take more pieces"
         )
-    deadline = time.monotonic() + time_limit
+    end = time.monotonic() + time_limit
     transcription = Transcription(problem, pieces, time_limit / 2)
-    starts = (spline_start(problem, pieces), stop_start(problem, pieces))
-    return min((improve(problem, transcription, start, deadline) for start in starts), key=lambda result: result.rank)
+    found = [improve(problem, transcription, spline_start(problem, pieces), end)]
+    if not noted(time.monotonic() > deadline):
+        found.append(improve(problem, transcription, stop_start(problem, pieces), end))
+    return min(found, key=lambda result: result.rank)
 
 
 def _straight(problem: Problem) -> FreePath:

@@ -31,19 +31,20 @@ first and the last cell are the point 0; where the end condition is free, all ce
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import time
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.optimize import linprog
 
 from baselines._cell_times import SAFETY, Cells, shortest_times
+from baselines._chain_weights import chain_weights
 from baselines.closed_forms import rest_to_rest_time
+from study.deadline import noted
 from study.problem import EndCondition, Floats, Problem
 
 SMOOTHING = 0.5
@@ -51,6 +52,20 @@ SMOOTHING = 0.5
 
 ROUNDS, TOLERANCE = 60, 1e-4
 """Linear programs per refinement, and the relative distance to the best that any weights can do at which they end."""
+
+T = TypeVar("T")
+
+
+class Late(Exception):
+    """The deadline came in the middle of a step; what the steps before it proved holds."""
+
+
+def in_time(items: Iterable[T], deadline: float) -> Iterator[T]:
+    """Hand items out as long as the deadline, on the clock of `time.monotonic`, is not past; then raise `Late`."""
+    for item in items:
+        if noted(time.monotonic() > deadline):
+            raise Late
+        yield item
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,21 +139,21 @@ def first_cells(problem: Problem, n_cells: int, known: float) -> Grid:
     return grid
 
 
-def all_chains(problem: Problem, grid: Grid) -> list[Chains]:
-    """Steps 1 and 2 for every joint."""
+def all_chains(problem: Problem, grid: Grid, deadline: float = np.inf) -> list[Chains]:
+    """Steps 1 and 2 for every joint; raises `Late` where the deadline comes first."""
     at_least = np.zeros(problem.n_segments)
     for _ in range(2):
-        joints = [_chains(problem, j, cells, at_least) for j, cells in enumerate(grid)]
+        joints = [_chains(problem, j, cells, at_least, deadline) for j, cells in enumerate(grid)]
         at_least = np.max([[times.min() for times in joint.times] for joint in joints], axis=0)
     return joints
 
 
-def _chains(problem: Problem, joint: int, cells: list[Cells], at_least: Floats) -> Chains:
+def _chains(problem: Problem, joint: int, cells: list[Cells], at_least: Floats, deadline: float) -> Chains:
     rates, steps = problem.limits.rates[:, joint], np.diff(problem.waypoints[:, joint])
     pairs = zip(steps.tolist(), at_least.tolist(), cells[:-1], cells[1:], strict=True)
     if np.isinf(cells[1].high).any():
         return Chains([np.full((1, 1), max(abs(d) / rates[0], least)) for d, least, _, _ in pairs])
-    return Chains([shortest_times(d, start, end, rates, least) for d, least, start, end in pairs])
+    return Chains([shortest_times(d, start, end, rates, least) for d, least, start, end in in_time(pairs, deadline)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +176,12 @@ class Bound:
 
 
 def bound(
-    problem: Problem, known: float = np.inf, n_cells: int = 64, refinements: int = 3, most_cells: int = 160
+    problem: Problem,
+    known: float = np.inf,
+    n_cells: int = 64,
+    refinements: int = 3,
+    most_cells: int = 160,
+    deadline: float = np.inf,
 ) -> Bound:
     """Bound the duration of all motions from below.
 
@@ -177,21 +197,32 @@ def bound(
         How often cells are dropped and halved.
     most_cells : int
         Cells at one waypoint and joint that are not halved further.
+    deadline : float, s
+        On the clock of `time.monotonic`: after it the best bound so far is returned, at first that of the velocity limits.
     """
     stops = float(rest_to_rest_time(np.diff(problem.waypoints, axis=0), problem.limits.rates).max(axis=1).sum())
     known, problem = min(known, stops) * (1 + SAFETY), with_implied_acceleration(problem)
     grid, best, rounds = first_cells(problem, n_cells, known), 0.0, 0
     for step in range(refinements + 1):
-        joints = all_chains(problem, grid)
-        value, weights, count = best_weights(joints)
+        try:
+            joints = all_chains(problem, grid, deadline)
+        except Late:
+            best = best or straight_time(problem)
+            break
+        value, weights, count = best_weights(joints, deadline)
         before, best, rounds = best, max(best, min(value * (1 - SAFETY), known)), rounds + count
-        if step == refinements or best - before < TOLERANCE * best:
+        if step == refinements or best - before < TOLERANCE * best or noted(time.monotonic() > deadline):
             break
         grid = _refined(grid, joints, weights, known, most_cells)
         if not all(len(cells.low) for row in grid for cells in row):
             best = known  # no motion faster than the known one is left
             break
     return Bound(best / (1 + SAFETY), rounds, sum(len(cells.low) for row in grid for cells in row))
+
+
+def straight_time(problem: Problem) -> float:
+    """Sum of what every segment takes at the velocity limits, s: a bound that needs no cells."""
+    return float((np.abs(np.diff(problem.waypoints, axis=0)) / problem.limits.velocity).max(axis=1).sum())
 
 
 def _refined(grid: Grid, joints: list[Chains], weights: Floats, known: float, most_cells: int) -> Grid:
@@ -215,8 +246,8 @@ def _halved(cells: Cells, mask: NDArray[np.bool_], most_cells: int) -> Cells:
     return left.halved() if np.isfinite(left.high).all() and 2 * len(left.low) <= most_cells else left
 
 
-def best_weights(joints: list[Chains]) -> tuple[float, Floats, int]:
-    """Search for the weights of step 3.
+def best_weights(joints: list[Chains], deadline: float = np.inf) -> tuple[float, Floats, int]:
+    """Search for the weights of step 3; after the deadline the best so far are good enough.
 
     Returns
     -------
@@ -230,6 +261,8 @@ def best_weights(joints: list[Chains]) -> tuple[float, Floats, int]:
     trial = centre = np.full((n_segments, n_joints), 1.0 / n_joints)
     best, ceiling, done = -np.inf, np.inf, 0
     while done < ROUNDS and ceiling - best > TOLERANCE * best:
+        if done and noted(time.monotonic() > deadline):
+            break
         done += 1
         found = [joint.cheapest(trial[:, j]) for j, joint in enumerate(joints)]
         value = _added(value for value, _ in found)
@@ -237,36 +270,9 @@ def best_weights(joints: list[Chains]) -> tuple[float, Floats, int]:
             best, centre = value, trial
         for chains, (_, times) in zip(pool, found, strict=True):
             chains.append(times)
-        corner, ceiling = _master(pool)
+        corner, ceiling = chain_weights(pool)
         trial = SMOOTHING * centre + (1 - SMOOTHING) * corner
     return best, centre, done
-
-
-def _master(pool: list[list[Floats]]) -> tuple[Floats, float]:
-    """Best weights for the chains so far: maximise the joints' smallest weighted sums; and the value, s."""
-    n_joints, n_segments = len(pool), len(pool[0][0])
-    blocks = [
-        [sparse.csr_array(-np.array(chains)) if i == j else None for i in range(n_joints)]
-        + [sparse.csr_array(np.ones((len(chains), 1))) if i == j else None for i in range(n_joints)]
-        for j, chains in enumerate(pool)
-    ]
-    shares: Any = sparse.hstack(
-        [sparse.kron(np.ones((1, n_joints)), sparse.eye(n_segments)), sparse.csr_array((n_segments, n_joints))]
-    )
-    rows: Any = sparse.block_array(blocks, format="csr")
-    solved = linprog(
-        np.append(np.zeros(n_joints * n_segments), -np.ones(n_joints)),
-        A_ub=rows,
-        b_ub=np.zeros(rows.shape[0]),
-        A_eq=shares,
-        b_eq=np.ones(n_segments),
-        bounds=(0, None),
-        method="highs",
-    )
-    if solved.x is None or solved.fun is None:
-        return np.full((n_segments, n_joints), 1.0 / n_joints), np.inf
-    weights = np.maximum(solved.x[: n_joints * n_segments], 0.0).reshape(n_joints, n_segments).T
-    return weights / weights.sum(axis=1, keepdims=True), float(-solved.fun)
 
 
 def lower_bound(problem: Problem) -> float:

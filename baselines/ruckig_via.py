@@ -121,11 +121,11 @@ def _rows(passing: Passing, model: Model) -> tuple[Any, Floats]:
     return sparse.csr_array((values, (rows, columns)), shape=(len(right), n_free + n_segments)), right
 
 
-def starts(timing: Timing, pieces: int, time_limit: float) -> Iterator[Floats]:
+def starts(timing: Timing, pieces: int, time_limit: float, deadline: float) -> Iterator[Floats]:
     """Choices to start from: stop everywhere, follow the slopes, pass as the free-path NLP does or a little slower.
 
     Where the NLP saturates two joints at once, one of them may be able to arrive at that instant but not a rounding error
-    later; a slightly slower pass has room.
+    later; a slightly slower pass has room. After the deadline, on the clock of `time.monotonic`, the NLP is not asked.
     """
     passing = timing.passing
     problem = passing.problem
@@ -138,7 +138,9 @@ def starts(timing: Timing, pieces: int, time_limit: float) -> Iterator[Floats]:
     gentle = nothing.copy()
     gentle[1:-1] = np.where(left * right > 0, np.sign(left) * np.minimum(np.abs(left), np.abs(right)), 0.0)
     yield passing.choices(gentle, nothing)
-    fast = free_path(problem, pieces, time_limit).motion
+    if noted(time.monotonic() >= deadline):
+        return
+    fast = free_path(problem, pieces, time_limit, deadline).motion
     slower = [fast.scaled(factor) for factor in SLOWER]
     passes = [passing.choices(m(m.waypoint_times, 1), m(m.waypoint_times, 2)) for m in slower]
     yield min(passes, key=lambda x: timing.moves(x)[0].sum())
@@ -176,7 +178,7 @@ def ruckig_via(
     if not passing.free.any():
         return found[0].scaled(unit), 0
     timing, deadline = Timing(passing), time.monotonic() + time_limit
-    for start in starts(timing, pieces, time_limit / 2):
+    for start in starts(timing, pieces, time_limit / 2, deadline):
         x, total, count = improve(timing, start, deadline, rounds)
         done += count
         if np.isfinite(total):

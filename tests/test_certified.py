@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain, count
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from baselines import _bounds_spline, _branch_bound, certified
 from baselines._bounds353 import Bounds353, peak_instants
 from baselines._bounds_spline import Relaxation, Units, spline_bound, velocity_ranges
 from baselines._branch_bound import enclose, halves
@@ -14,6 +17,7 @@ from baselines.casadi_nlp import optimise
 from baselines.certified import CERTIFIED, GAP, certify, obstacle
 from study import JointLimits, Problem, judge
 from study.curves import CURVES
+from study.deadline import watched
 from study.experiment.cases import load_case
 from study.formulation import Scaled
 from study.planning import RunSettings, Status
@@ -199,3 +203,42 @@ def test_a_feasible_spline_is_never_relaxed_away(rates: tuple[float, float, floa
         lowest, highest = velocity_ranges(units, 1 / high, 1 / low)
         assert (lowest - 1e-9 <= at).all()
         assert (at <= highest + 1e-9).all()
+
+
+def test_a_deadline_ends_the_spline_s_boxes_and_the_bound_so_far_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = replace(random_problem(0, 5, 2, (1.0, 2.0, 8.0)), duration_bounds=(0.05, 10.0))
+    total = float(optimise(problem, "cubic-spline").durations.sum())
+    clock, values = count(), []
+    monkeypatch.setattr(_bounds_spline, "time", SimpleNamespace(perf_counter=lambda: next(clock)))
+    whole, boxes = spline_bound(problem, total)
+    for cuts in (0, 3, 20):
+        with watched() as watch:
+            value, done = spline_bound(problem, total, deadline=next(clock) + cuts)
+        assert watch.reached
+        assert done <= 2 * cuts < boxes
+        values.append(value)
+    shortest = _bounds_spline.shortest_durations(problem).sum()
+    assert values[0] == pytest.approx(shortest, rel=2e-5)
+    assert shortest < values[1] <= values[2] <= whole < total
+    with watched() as watch:
+        assert spline_bound(problem, total, deadline=next(clock) + 1e6) == (whole, boxes)
+    assert not watch.reached
+
+
+@pytest.mark.parametrize("curve", ["poly353", "cubic-spline", "bspline"])
+def test_joints_whose_turn_comes_too_late_are_enclosed_without_a_solver(
+    curve: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The clock stands still for two looks, until the first joint's turn, and is past the limit from then on."""
+    problem, asked, clock = random_problem(2, 4, 3), [], chain([0.0, 0.0], count(1e9))
+    monkeypatch.setattr(certified, "optimise", lambda *args, **rest: asked.append(args) or optimise(*args, **rest))
+    for module in (certified, _bounds_spline, _branch_bound):
+        monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: next(clock)))
+    with watched() as watch:
+        plan = CERTIFIED.plan(problem, RunSettings(curve, synchronisation="per-joint", time_limit=30.0))
+    assert watch.reached
+    assert len(asked) == 1
+    assert plan.status is Status.NOT_CONVERGED
+    assert "of the time apart" in plan.message
+    assert judge(problem, plan.motion).feasible
+    assert 0 < plan.details["lower_bound"] < plan.details["upper_bound"]

@@ -82,7 +82,17 @@ def test_a_study_has_the_same_results_under_every_python(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "planner", ["certified", "casadi-nlp", "ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp", "bspline-nlp"]
+    "planner",
+    [
+        "certified",
+        "casadi-nlp",
+        "ruckig-via",
+        "free-path-nlp",
+        "quintic-nlp",
+        "topp3-nlp",
+        "bspline-nlp",
+        "any-motion-bound",
+    ],
 )
 def test_what_a_clock_decided_says_so(planner):
     """With next to no time every planner that looks at the clock must say that it did."""

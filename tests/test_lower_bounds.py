@@ -1,8 +1,13 @@
 """Lower bounds: exact where optima are known, and below every feasible motion that any method here can produce."""
 
+from itertools import count
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from baselines import any_motion, lower_bounds
+from baselines import ruckig_via as via_module
 from baselines._cell_times import Cells, bend_reach, last_bend_crossing, reach, shortest_times
 from baselines.any_motion import AnyMotionBound
 from baselines.closed_forms import shortest_time, two_limit_time
@@ -14,6 +19,7 @@ from baselines.ruckig_via import ruckig_via
 from baselines.toppra_retiming import retime
 from study import EndCondition, JointLimits, Problem, judge
 from study.curves import CURVES
+from study.deadline import watched
 from study.planning import RunSettings, Status
 from tests.reference_problems import EACH_LIMIT, INF, small, woodworking
 
@@ -201,3 +207,59 @@ def test_the_planner_shows_no_motion_but_a_bound():
     assert 0.98 * plan.details["known"] < plan.details["lower_bound"] < plan.details["known"] < 3.37
     still = Problem("still", [[1.0], [1.0]], JointLimits([1.0]), allow_dwell=True)
     assert AnyMotionBound().plan(still, RunSettings("poly353")).status is Status.NOT_APPLICABLE
+
+
+@pytest.fixture
+def looks(monkeypatch):
+    """A clock on which every look takes a second; the bounds of segments made meanwhile."""
+    made, clock = [], count()
+    monkeypatch.setattr(lower_bounds, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    whole = lower_bounds.shortest_times
+    monkeypatch.setattr(lower_bounds, "shortest_times", lambda *args: made.append(1) or whole(*args))
+    return SimpleNamespace(made=made, now=lambda: next(clock))
+
+
+def test_a_deadline_ends_the_bound_between_two_segments_and_what_it_proved_holds(looks):
+    problem = small(EACH_LIMIT["all"], seed=5, n_waypoints=6)
+    whole = bound(problem, n_cells=12)
+    work, values = len(looks.made), []
+    for seconds in (-1, 7, 40, 70, 100):
+        looks.made.clear()
+        with watched() as watch:
+            cut = bound(problem, n_cells=12, deadline=looks.now() + seconds)
+        assert watch.reached
+        assert len(looks.made) <= max(seconds, 0) < work
+        assert cut.rounds <= whole.rounds
+        values.append(cut.value)
+    straight = float((np.abs(np.diff(problem.waypoints, axis=0)) / problem.limits.velocity).max(axis=1).sum())
+    assert values[0] == values[1] == pytest.approx(straight)
+    assert straight < values[2] < values[-1] <= whole.value
+    assert values == sorted(values)
+    with watched() as watch:
+        assert bound(problem, n_cells=12, deadline=looks.now() + 1e6).value == whole.value
+    assert not watch.reached
+
+
+def test_weights_are_sought_until_the_deadline_and_at_least_once(looks):
+    problem = woodworking()
+    joints = all_chains(problem, first_cells(problem, 12, 5.0))
+    once, _, rounds = lower_bounds.best_weights(joints, -np.inf)
+    some, _, more = lower_bounds.best_weights(joints, looks.now() + 2.5)
+    best, _, all_rounds = lower_bounds.best_weights(joints)
+    assert (rounds, more) == (1, 3)
+    assert all_rounds > 3
+    assert once <= some <= best
+
+
+def test_after_its_time_limit_the_planner_asks_no_solver(monkeypatch):
+    def refuse(*_, **__):
+        raise AssertionError("there is no time for this")
+
+    for module in (any_motion, via_module):
+        monkeypatch.setattr(module, "free_path", refuse)
+    for name in ("shortest_times", "chain_weights"):
+        monkeypatch.setattr(lower_bounds, name, refuse)
+    with watched() as watch:
+        plan = AnyMotionBound().plan(woodworking(), RunSettings("poly353", time_limit=1e-9))
+    assert watch.reached
+    assert 0 < plan.details["lower_bound"] < 3.2 < plan.details["known"] < np.inf
