@@ -30,6 +30,9 @@ can_draw = pytest.mark.skipif(
     reason="no Vulkan driver here; Debian and Ubuntu have a software one in the package mesa-vulkan-drivers",
 )
 TABS = ("Overview", "Position", "Velocity", "Acceleration", "Jerk", "Limits in use", "Convergence", "Durations")
+SMALL = (960, 540)
+"""Pixels of a viewer that paints in software; its views are the same as in a larger one."""
+
 SEARCHED = ("Overview", "Convergence over wall time", "Search population", "Search population in motion")
 
 
@@ -47,14 +50,14 @@ def pixels(png: bytes) -> np.ndarray:
 @can_draw
 @pytest.mark.timeout(240)
 def test_every_tab_is_drawn_without_complaint(recording: Path) -> None:
-    with viewer.headless(recording) as client:
+    with viewer.headless(recording, SMALL) as client:
         pictures = {}
         for tab in (*TABS, "All arms"):
             viewer.show_tab(client, tab)
             client.set_time("t", duration=1.0, play_state="paused")
             picture = pixels(viewer.settled_picture(client))
             assert viewer.complaints(client) == [], tab
-            assert picture.shape == (1080, 1920, 3)
+            assert picture.shape == (*SMALL[::-1], 3)
             pictures[tab] = picture
         # something of every method is drawn: bright and coloured pixels, and every tab looks different
         for tab, picture in pictures.items():
@@ -73,7 +76,7 @@ def test_the_first_look_and_the_searches_of_every_case(name: str, tmp_path: Path
     cells = make_cells([case], [Spec(case.planner), Spec("pso", "scaled")], Budget(seeds=1, evaluations=100))
     results = [execute(Task(cell, case.problem)) for cell in cells]
     path = record_case(case, [*some_results(case), *results], tmp_path / f"{name}.rrd", samples=60)
-    with viewer.headless(path) as client:
+    with viewer.headless(path, SMALL) as client:
         for tab in SEARCHED:
             viewer.show_tab(client, tab)
             client.set_time("t", duration=0.3, play_state="paused")
@@ -90,7 +93,7 @@ def test_the_first_look_and_the_searches_of_every_case(name: str, tmp_path: Path
 def test_a_recording_opens_with_the_arms_in_motion(recording: Path) -> None:
     case = load_case("woodworking")
     run_time = gather(case, some_results(case), 250).run_time
-    with viewer.headless(recording) as client:
+    with viewer.headless(recording, SMALL) as client:
         seen: list[float] = []
         deadline = time.monotonic() + 60
         while len(seen) < 8 and time.monotonic() < deadline:
@@ -108,6 +111,7 @@ def test_a_screenshot_shows_the_chosen_time(recording: Path, tmp_path: Path) -> 
     for name, instant in (("start", 0.0), ("middle", 4.0)):
         assert screenshot(recording, tmp_path / f"{name}.png", instant) == []
     start, middle = (pixels((tmp_path / f"{name}.png").read_bytes()) for name in ("start", "middle"))
+    assert start.shape == middle.shape == (1080, 1920, 3)
     assert (start != middle).any(axis=2).mean() > 1e-3  # the arms have moved
 
 
@@ -173,7 +177,7 @@ def test_the_viewer_listens_on_loopback_with_statistics_off(recording: Path, mon
 @pytest.mark.timeout(120)
 def test_results_arrive_in_an_open_viewer() -> None:
     case = load_case("woodworking")
-    with live_recording(hidden=(1280, 720)) as (live, url):
+    with live_recording(hidden=SMALL) as (live, url):
         client = ViewerClient.connect(url)
         for result in some_results(case):
             live.add(case, result)
