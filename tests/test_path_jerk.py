@@ -1,5 +1,7 @@
 """Third-order path parameterization: ours, COPP's where it is installed, and what both owe to TOPP-RA."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,12 @@ def problem(jerk=8.0, end=EndCondition.REST):
     return Problem("p", POINTS, JointLimits([1.0, 1.2], [2.0, 2.5], [jerk, jerk]), end)
 
 
+@cache
+def topp3(jerk=8.0, end=EndCondition.REST, halvings=1):
+    """Our plan for a problem, which several tests look at."""
+    return Topp3NLP(halvings=halvings).plan(problem(jerk, end), SETTINGS)
+
+
 def curvature_free_path(motion, case):
     """Largest distance between the motion's positions and the chord path, both sampled densely."""
     path = chord_path(case.waypoints, case.limits)
@@ -27,7 +35,7 @@ def curvature_free_path(motion, case):
 @pytest.mark.parametrize("end", [EndCondition.REST, EndCondition.SMOOTH])
 def test_the_motion_is_feasible_and_stays_on_the_path(end):
     case = problem(end=end)
-    plan = Topp3NLP().plan(case, SETTINGS)
+    plan = topp3(end=end)
     verdict = judge(case, plan.motion)
     assert plan.status is Status.FINISHED
     assert verdict.feasible
@@ -37,9 +45,9 @@ def test_the_motion_is_feasible_and_stays_on_the_path(end):
 
 def test_more_pieces_never_lengthen_and_toppra_is_faster_than_any_jerk_limit():
     """A looser jerk limit gains to within a per cent only: the solver is local."""
-    tight = Topp3NLP().plan(problem(8.0), SETTINGS).motion.duration
-    finer = Topp3NLP(halvings=2).plan(problem(8.0), SETTINGS).motion.duration
-    loose = Topp3NLP(halvings=2).plan(problem(80.0), SETTINGS).motion.duration
+    tight = topp3().motion.duration
+    finer = topp3(halvings=2).motion.duration
+    loose = topp3(80.0, halvings=2).motion.duration
     second_order = Toppra().plan(problem(80.0), SETTINGS).motion.duration
     assert finer <= tight * (1 + 1e-4)
     assert second_order * (1 - 1e-4) < loose < finer * 1.01
@@ -47,7 +55,7 @@ def test_more_pieces_never_lengthen_and_toppra_is_faster_than_any_jerk_limit():
 
 
 def test_scaled_limits_scale_the_duration():
-    base = Topp3NLP().plan(problem(), SETTINGS).motion.duration
+    base = topp3().motion.duration
     case = problem()
     slow = Problem("slow", POINTS, case.limits.scaled(2.0))
     assert Topp3NLP().plan(slow, SETTINGS).motion.duration == pytest.approx(2 * base, rel=1e-4)
@@ -87,4 +95,4 @@ def test_copp_is_feasible_on_the_same_path_and_not_faster(copp):
     plan = copp.Copp().plan(case, SETTINGS)
     assert judge(case, plan.motion).feasible
     assert curvature_free_path(plan.motion, case) < 1e-3
-    assert plan.motion.duration > Topp3NLP(halvings=2).plan(case, SETTINGS).motion.duration
+    assert plan.motion.duration > topp3(halvings=2).motion.duration

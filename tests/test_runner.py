@@ -187,7 +187,7 @@ from study.experiment.store import Store
 
 if __name__ == "__main__":
     path, case, jobs = Path(sys.argv[1]), load_case(sys.argv[2]), int(sys.argv[3])
-    cells = make_cells([case], parse_specs("stub-slow,pso:scaled,shared,stub-crash,stub-steady"), Budget(8, 60))
+    cells = make_cells([case], parse_specs("stub-slow,pso:scaled,shared,stub-crash,stub-steady"), Budget(4, 60))
     with Store(path, {case.name: case}) as store:
         run_cells(cells, {case.name: case}, store, jobs=jobs)
         print(len(store.results(cells)), store.digest())
@@ -216,14 +216,14 @@ def test_kill_9_loses_only_cells_in_flight_and_the_next_run_ends_the_same(tmp_pa
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
     kept = stored(path)
-    assert 2 <= kept < 25
+    assert 2 <= kept < 13
     wait_until(lambda: not any(alive(pid) for pid in workers))  # nobody is left behind
     resumed = subprocess.run(script("killed.sqlite", 2), capture_output=True, text=True, check=True, timeout=200).stdout
     print(
-        f"\nruns killed: 1 after {kept} of 25 cells, workers left behind: 0, cells lost: {25 - int(resumed.split()[0])}"
+        f"\nruns killed: 1 after {kept} of 13 cells, workers left behind: 0, cells lost: {13 - int(resumed.split()[0])}"
     )
     assert resumed == whole
-    assert whole.startswith("25 ")
+    assert whole.startswith("13 ")
 
 
 def alive(pid: int) -> bool:
