@@ -7,7 +7,9 @@ import pytest
 
 from study.comparison import tasks, trialstore
 from study.comparison.audit import audited_searches, function_jobs, trajectory_jobs
+from study.comparison.build import trial_jobs
 from study.comparison.effort import QUICK
+from study.comparison.staleness import drop_stale_trials
 from study.comparison.trials import Job, Outcome, Trial, run_trial, run_trials
 from study.comparison.trialstore import TrialStore, batches, key_of, run_jobs
 from study.errors import StudyError
@@ -56,6 +58,51 @@ def test_changed_code_makes_its_own_trials_stale_and_no_others(filled, monkeypat
     trialstore._shared_content.cache_clear()
     with TrialStore(filled, write=False) as store:
         assert len(JOBS) - len(store.outcomes(JOBS)) == stale
+    trialstore._shared_content.cache_clear()
+
+
+@pytest.fixture
+def compared(tmp_path):
+    """One trial of every search on every kind of task, as a comparison stores them, with outcomes made up."""
+    effort = replace(SMALL, trial_seeds=1, function_seeds=1, printed=True, formulations=("penalty", "scaled"))
+    parts = trial_jobs([load_case("woodworking"), load_case("ur5-helix")], effort)
+    jobs = list({key_of(job): job for part in parts.values() for job in part}.values())
+    with TrialStore(tmp_path / "results.sqlite") as store:
+        store.add(jobs, [Outcome(1.0, "", 0.1)] * len(jobs))
+    return tmp_path / "results.sqlite", jobs
+
+
+def test_trials_of_the_present_code_are_not_stale(compared):
+    path, jobs = compared
+    assert len(jobs) > 200
+    assert drop_stale_trials(path) == 0
+    assert verify(path) == (len(jobs), [])
+
+
+def test_stale_trials_are_dropped_and_those_that_cannot_be_told_stay(compared, monkeypatch):
+    path, jobs = compared
+    woa = [job for job in jobs if type(job.search) is WOA]
+    unknown = [Job(replace(TRIAL, search="a stranger's"), WOA(spiral=2.0)), Job(replace(TRIAL, task="my robot"), WOA())]
+    other_constant, twin = Job(TRIAL, WOA(spiral=3.0)), Job(replace(TRIAL, search="woa", seed=7), PSO())
+    helix = load_case("ur5-helix").problem
+    moved = Job(replace(TRIAL, task="ur5-helix", dimensions=0), WOA(), replace(helix, duration_bounds=(0.5, 9.0)))
+    with TrialStore(path) as store:
+        added = [*unknown, other_constant, moved, twin]
+        store.add(added, [Outcome(1.0, "", 0.1)] * len(added))
+    damaged = next(job for job in jobs if job not in woa)
+    change(path, f"UPDATE trials SET value = 2.0 WHERE key = '{key_of(damaged)}'")
+    real = trialstore.code_digest
+    monkeypatch.setattr(trialstore, "code_digest", lambda module: "other" if module == WOA.__module__ else real(module))
+    trialstore._shared_content.cache_clear()
+    assert len(woa) > 10
+    assert drop_stale_trials(path) == len(woa) + 2
+    count, wrong = verify(path)
+    assert (count, len(wrong)) == (len(jobs) + len(added) - len(woa) - 2, 1)
+    with closing(sqlite3.connect(path)) as connection:
+        left = {row[0] for row in connection.execute("SELECT trial FROM trials")}
+    assert sum("a stranger's" in trial or "my robot" in trial for trial in left) == 2
+    assert drop_stale_trials(path) == 0
+    monkeypatch.undo()
     trialstore._shared_content.cache_clear()
 
 

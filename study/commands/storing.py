@@ -9,7 +9,7 @@ import typer
 from rich.table import Table
 
 from study.commands.runs import DEFAULT_OUT, STORE_NAME, Out, make_console
-from study.errors import StudyError
+from study.errors import StudyError, plural
 from study.experiment import storekeeping
 
 store_app = typer.Typer(help="Look after the file of results.", no_args_is_help=True)
@@ -49,12 +49,20 @@ def merge(others: Others, out: Out = DEFAULT_OUT) -> None:
 def compact(
     out: Out = DEFAULT_OUT,
     drop_stale: Annotated[
-        bool, typer.Option("--drop-stale", help="Drop results of planners whose code has changed since.")
+        bool,
+        typer.Option("--drop-stale", help="Drop results of planners, and trials of searches, that have changed since."),
     ] = False,
 ) -> None:
     """Rewrite the file without gaps."""
+    trials = _drop_stale_trials(out / STORE_NAME) if drop_stale else 0
     dropped, won = storekeeping.compact(out / STORE_NAME, drop_stale=drop_stale)
-    print(f"{dropped} results dropped, {won:,} bytes won")
+    print(f"{plural(dropped, 'result')} and {plural(trials, 'trial')} dropped, {won:,} bytes won")
+
+
+def _drop_stale_trials(path: Path) -> int:
+    from study.comparison.staleness import drop_stale_trials  # here: the comparison is slow to import
+
+    return drop_stale_trials(path) if path.exists() else 0
 
 
 @store_app.command()

@@ -7,6 +7,7 @@ changed search makes its own trials anew and no others. Every row carries a chec
 from __future__ import annotations
 
 import hashlib
+import json
 import sqlite3
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, wait
@@ -15,6 +16,7 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 from study.comparison import trials
 from study.comparison.trials import Job, Outcome, Trial, run_trials
@@ -129,6 +131,17 @@ class TrialStore:
             rows.append((key, content, one.value, one.reason, one.wall_time, digest))
         with explained(self.path), transaction(self._connection):
             self._connection.executemany("INSERT OR IGNORE INTO trials VALUES (?, ?, ?, ?, ?, ?)", rows)
+
+    def contents(self) -> dict[str, dict[str, Any]]:
+        """Fields of every stored trial by its key; those that do not match their checksums are left out."""
+        with explained(self.path):
+            rows = self._connection.execute("SELECT digest, key, trial, value, reason FROM trials").fetchall()
+        return {key: json.loads(text) for digest, key, text, *rest in rows if trial_digest(key, text, *rest) == digest}
+
+    def drop(self, keys: Iterable[str]) -> None:
+        """Forget trials by key, all of them or none."""
+        with explained(self.path), transaction(self._connection):
+            self._connection.executemany("DELETE FROM trials WHERE key = ?", [(key,) for key in keys])
 
     def note(self, name: str, text: str) -> None:
         """Keep a finding drawn from the outcomes, in the place of an older one of that name."""
