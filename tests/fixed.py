@@ -17,8 +17,8 @@ class Fixed:
     def standard_normal(self, size=None):
         return self.z if size is None else np.full(size, self.z)
 
-    def integers(self, high, size=None):
-        return np.zeros(size, dtype=int)
+    def integers(self, high, size=None, dtype=int, endpoint=False):
+        return np.zeros(size, dtype=dtype)
 
     def permutation(self, n):
         return np.arange(n)

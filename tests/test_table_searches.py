@@ -10,7 +10,7 @@ from scipy import optimize, stats
 
 from study.planning import Meter
 from study.search.de import DE, three_others
-from study.search.gsa import GSA, GravityState
+from study.search.gsa import GSA, GravityState, halves
 from study.search.loop import Box, minimise
 from study.search.population import new_population
 from study.search.sca import SCA
@@ -41,7 +41,7 @@ def transcribed_gsa(state, rng):
     masses = [value / sum(m) for value in m]
     share = 0.02 + (1 - 1 / 4) * 0.98
     heavy = sorted(range(n), key=lambda i: -masses[i])[: round(share * n)]
-    draws = rng.random((len(heavy), d, n))
+    draws = halves(rng, (len(heavy), d, n)) / 2**32
     g = 100 * math.exp(-20 / 4)
     out = np.empty((n, d))
     for i in range(n):
@@ -60,6 +60,14 @@ def test_gsa_follows_a_transcription_of_its_equations():
     state = told(GSA(), x, bowl(x))
     ours = GSA().ask(state, np.random.default_rng(9)).candidates
     np.testing.assert_allclose(ours, transcribed_gsa(state, np.random.default_rng(9)), rtol=1e-12)
+
+
+def test_halves_are_uniform_whole_numbers_of_32_bits():
+    drawn = halves(np.random.default_rng(4), (301, 11, 9))
+    assert drawn.shape == (301, 11, 9)
+    assert drawn.dtype == np.uint32
+    assert stats.kstest(drawn.ravel() / 2**32, "uniform").pvalue > 1e-3
+    assert abs(np.corrcoef(drawn.ravel()[:-1:2], drawn.ravel()[1::2])[0, 1]) < 0.02
 
 
 def test_gsa_keeps_still_where_all_masses_sit_together():

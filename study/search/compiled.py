@@ -37,35 +37,24 @@ class CompiledFlight(Flight):
         x = state.candidates
         if x.ndim > 2 or self.bounds != "clip":
             return super().moved(state, weights, draws)
+        swarm = x, state.velocities, state.own_best, state.incumbent
         w, c1, c2 = weights
         ends = *clamps(self, state.box, x.shape), *walls(state.box, x.shape)
         v, moved = np.empty(x.shape), np.empty(x.shape)
-        _fly(
-            x,
-            state.velocities,
-            state.own_best,
-            state.incumbent,
-            draws,
-            (float(w), float(c1), float(c2)),
-            ends,
-            v,
-            moved,
-        )
+        _fly(swarm, draws, (float(w), float(c1), float(c2)), ends, v, moved)
         return moved, v
 
 
 @exact
 def _fly(
-    x: Floats,
-    velocities: Floats,
-    own_best: Floats,
-    incumbent: Floats,
+    swarm: tuple[Floats, Floats, Floats, Floats],
     draws: Floats,
     weights: tuple[float, float, float],
     ends: tuple[Floats, Floats, Floats, Floats],
     v: Floats,
     moved: Floats,
 ) -> None:
+    x, velocities, own_best, incumbent = swarm
     w, c1, c2 = weights
     slowest, fastest, lower, upper = ends
     for i in range(x.shape[0]):

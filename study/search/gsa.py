@@ -21,6 +21,9 @@ from study.search.population import PopulationState, badness, spread_population
 AT_ONCE = 32
 """Pullers taken together: the arrays for a hundred masses in five dimensions then stay in cache, 128 KB each."""
 
+WEIGHTS = 2.0**32
+"""Bound of the random weights; see `halves`."""
+
 
 @dataclass(frozen=True, eq=False)
 class GravityState(PopulationState):
@@ -71,13 +74,14 @@ class GSA:
         """Acceleration of every mass for G = 1, Eqs. (7)-(10), (21); its own mass has cancelled out."""
         x = state.members
         m = 1.0 - badness(state.values)  # eq. (15)
-        masses = m / m.sum() if m.any() else np.full(len(x), 1.0 / len(x))  # eq. (16)
+        total = np.add.reduce(m)
+        masses = m / total if total > 0.0 else np.full(len(x), 1.0 / len(x))  # eq. (16)
         share = self.last_pullers + (1.0 - state.progress) * (1.0 - self.last_pullers)
         heavy = np.argsort(-masses, kind="stable")[: max(1, round(share * len(x)))]
         columns, pull = x.T.copy(), np.zeros(x.shape[::-1])
         for some in (heavy[k : k + AT_ONCE] for k in range(0, len(heavy), AT_ONCE)):
-            weights = rng.random((len(some), *columns.shape))
-            pull += self.attraction(columns, x[some], masses[some], weights)
+            weights = halves(rng, (len(some), *columns.shape))
+            pull += self.attraction(columns, x[some], masses[some] / WEIGHTS, weights)
         return pull.T
 
     @staticmethod
@@ -91,7 +95,7 @@ class GSA:
         pullers : array of shape (n_pullers, n_dimensions)
         masses : array of shape (n_pullers,)
         weights : array of shape (n_pullers, n_dimensions, n_candidates)
-            Random weight of every pull in every dimension, Eq. (9).
+            Random weight of every pull in every dimension, Eq. (9), in the unit that the masses make up for.
 
         Returns
         -------
@@ -102,3 +106,15 @@ class GSA:
         pulls *= weights
         pulls *= (masses[:, None] / distances)[:, None]
         return pulls.sum(axis=0)
+
+
+def halves(rng: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
+    """Draw uniform whole numbers below 2^32, two from every number of the generator, which are most of the cost.
+
+    Returns
+    -------
+    uint32 array of that shape
+    """
+    n = math.prod(shape)
+    pairs = rng.integers(2**64 - 1, size=-(-n // 2), dtype=np.uint64, endpoint=True)
+    return pairs.view(np.uint32)[:n].reshape(shape)
