@@ -51,7 +51,7 @@ def timeless(found):
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     path = tmp_path_factory.mktemp("whole") / "results.sqlite"
-    return path, compare(CASES, TINY, path, jobs=2)
+    return path, compare(CASES, TINY, path, jobs=1)
 
 
 def test_interrupted_and_resumed_gives_the_same_numbers(whole, tmp_path):
@@ -80,10 +80,11 @@ def test_interrupted_and_resumed_gives_the_same_numbers(whole, tmp_path):
 KILLED = """
 import sys
 from pathlib import Path
-from tests.test_comparison_build import CASES, TINY
-from study.comparison.build import compare
 
-if __name__ == "__main__":
+if __name__ == "__main__":  # workers import this file too
+    from study.comparison.build import compare
+    from tests.test_comparison_build import CASES, TINY
+
     compare(CASES, TINY, Path(sys.argv[1]), jobs=2, progress=lambda *told: print(*told, flush=True))
 """
 
@@ -107,7 +108,7 @@ def test_killed_and_resumed_gives_the_same_numbers(whole, tmp_path):
                 break
     assert process.wait() == -signal.SIGKILL
     counts = []
-    resumed = compare(CASES, TINY, path, jobs=2, progress=lambda *told: counts.append(told))
+    resumed = compare(CASES, TINY, path, jobs=1, progress=lambda *told: counts.append(told))
     assert any(0 < done < total for name, done, total in counts if name == "ablations")
     assert timeless(resumed) == timeless(whole[1])
 

@@ -38,7 +38,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.timeout(240)
 def test_the_recording_is_drawn_and_no_request_leaves_the_page(out: Path, tmp_path: Path) -> None:
     page = out / "report" / "mini-viewer.html"
-    with browser(str(CHROMIUM), tmp_path / "profile", (1000, 700)) as tab:
+    with browser(str(CHROMIUM), tmp_path / "profile", (800, 600)) as tab:
         tab.tell("Page.navigate", url=page.as_uri())
         assert tab.wait_for("document.documentElement.dataset.ready", 90) == "yes", tab.value("said.textContent")
         coloured = 0.0

@@ -34,6 +34,7 @@ SMALL = (960, 540)
 """Pixels of a viewer that paints in software; its views are the same as in a larger one."""
 
 SEARCHED = ("Overview", "Convergence over wall time", "Search population", "Search population in motion")
+OTHERS = [name for name in case_names(default_only=True) if name != "woodworking"]
 
 
 @pytest.fixture(scope="module")
@@ -70,14 +71,21 @@ def test_every_tab_is_drawn_without_complaint(recording: Path) -> None:
 
 @can_draw
 @pytest.mark.timeout(120)
-@pytest.mark.parametrize("name", case_names(default_only=True))
-def test_the_first_look_and_the_searches_of_every_case(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "tabs"),
+    [
+        ("woodworking", SEARCHED),
+        *((name, ("Overview", "Search population in motion")) for name in OTHERS),  # these have most of a case's own
+        *(pytest.param(name, SEARCHED, marks=pytest.mark.slow) for name in OTHERS),
+    ],
+)
+def test_the_first_look_and_the_searches_of_every_case(name: str, tabs: tuple[str, ...], tmp_path: Path) -> None:
     case = load_case(name)
     cells = make_cells([case], [Spec(case.planner), Spec("pso", "scaled")], Budget(seeds=1, evaluations=100))
     results = [execute(Task(cell, case.problem)) for cell in cells]
     path = record_case(case, [*some_results(case), *results], tmp_path / f"{name}.rrd", samples=60)
     with viewer.headless(path, SMALL) as client:
-        for tab in SEARCHED:
+        for tab in tabs:
             viewer.show_tab(client, tab)
             client.set_time("t", duration=0.3, play_state="paused")
             picture = pixels(viewer.settled_picture(client))
