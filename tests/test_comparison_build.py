@@ -66,7 +66,7 @@ def test_interrupted_and_resumed_gives_the_same_numbers(whole, tmp_path):
 
     for part, share in (("planners", 0.4), ("ablations", 0.3)):
         with pytest.raises(KeyboardInterrupt):
-            compare(CASES, TINY, path, jobs=2, progress=interrupting(part, share))
+            compare(CASES, TINY, path, jobs=1, progress=interrupting(part, share))
     counts = {}
 
     def last(part, done, total):

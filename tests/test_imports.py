@@ -2,6 +2,7 @@ import ast
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -39,6 +40,7 @@ def test_a_planner_loads_its_own_package_only():
     assert not loaded & {"casadi", "toppra", "ruckig", "rerun", "matplotlib", "baselines"}
 
 
+@cache
 def imported(path: Path) -> set[str]:
     """Packages that a file imports, also by name through importlib."""
     found: set[str] = set()

@@ -11,7 +11,7 @@ from baselines.casadi_nlp import optimise
 from baselines.certified import certify, obstacle
 from study.experiment.cases import case_names, load_case
 from study.experiment.lineup import Budget, Spec, make_cells
-from study.experiment.runner import run_cells
+from study.experiment.runner import Task, execute
 from study.experiment.store import Store
 from study.problem import JointLimits, Problem
 from tests.test_casadi_nlp import random_problem, shape
@@ -51,7 +51,7 @@ def test_started_from_any_stored_search_the_nlp_never_ends_slower(name: str, tmp
     specs = [Spec(search) for search in SEARCHES] + [Spec(search, "scaled", "shared") for search in SEARCHES]
     cells = make_cells([case], specs, Budget(seeds=1, evaluations=400))
     with Store(tmp_path / "results.sqlite", {name: case}) as store:
-        run_cells(cells, {name: case}, store, jobs=1)
+        store.add(*(execute(Task(cell, case.problem)) for cell in cells))
         stored = store.results(cells)
     feasible = [one for one in stored if one.verdict and one.verdict.feasible and one.durations is not None]
     assert len(feasible) >= len(SEARCHES)

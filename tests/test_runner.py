@@ -160,7 +160,7 @@ def nap(seconds):
 def test_a_worker_killed_from_outside_costs_nothing():
     with WorkerPool(1) as pool:
         first = pool.submit(os.getpid).result()
-        future = pool.submit(nap, 1.0)
+        future = pool.submit(nap, 0.6)
         time.sleep(0.3)
         os.kill(first, signal.SIGKILL)
         assert future.result() != first
