@@ -20,11 +20,12 @@ from study.problem import Floats
 from study.search.gsa import GSA, halves
 from study.search.loop import Box, Search, minimise
 from study.search.pso import PSO, Flight
+from study.search.sca import SCA
 
 pytest.importorskip("numba")
 
 from study.curves import compiled, compiled_353  # after the check that numba is there
-from study.search.compiled import CompiledFlight, CompiledGSA, twin
+from study.search.compiled import CompiledFlight, CompiledGSA, CompiledSCA, twin
 
 SHAPES = {"poly353": (4, 6), "cubic-spline": (20, 5), "bspline": (7, 3)}
 steps = st.one_of(
@@ -161,12 +162,19 @@ def test_objective_agrees() -> None:
     np.testing.assert_allclose(values[0], values[1], rtol=1e-12)
 
 
-SEARCHES: dict[str, Search[Any]] = {
-    name: planner_named(name).search for name in ("pso", "cfpso", "dynamic-adaptive-pso", "chaotic-spso", "gsa")
-} | {
-    f"pso, {flight}": PSO(flight=flight)
-    for flight in (Flight(0.3, "absolute"), Flight(bounds="reflect"), Flight(np.inf, bounds="stop"))
-}
+SEARCHES: dict[str, Search[Any]] = (
+    {
+        name: planner_named(name).search
+        for name in ("pso", "cfpso", "dynamic-adaptive-pso", "chaotic-spso", "gsa", "sca")
+    }
+    | {
+        "sca, reflected": SCA(bounds="reflect"),
+    }
+    | {
+        f"pso, {flight}": PSO(flight=flight)
+        for flight in (Flight(0.3, "absolute"), Flight(bounds="reflect"), Flight(np.inf, bounds="stop"))
+    }
+)
 
 
 def wavy(x: Floats) -> Floats:
@@ -189,7 +197,8 @@ def test_compiled_searches_give_numpys_bits(
     np.testing.assert_array_equal(meters[0].incumbents, meters[1].incumbents)
 
 
-def test_every_swarm_that_flies_and_gravity_have_compiled_steps() -> None:
+def test_swarms_that_fly_and_two_others_have_compiled_steps() -> None:
+    assert type(twin(SCA(amplitude=3.0))) is CompiledSCA
     assert isinstance(twin(GSA(gravity=9.0)), CompiledGSA)
     assert twin(GSA(gravity=9.0)).gravity == 9.0
     for name in ("pso", "cfpso", "dynamic-adaptive-pso", "chaotic-spso"):

@@ -15,15 +15,17 @@ from study.problem import Floats
 from study.search.bounds import Moved, walls
 from study.search.gsa import GSA
 from study.search.loop import Search
+from study.search.population import PopulationState
 from study.search.pso import Flight, SwarmState, Weights, clamps
+from study.search.sca import SCA
 
 EPS = np.finfo(float).eps
 
 
 def twin(search: Search[Any]) -> Search[Any]:
     """Give a search its compiled steps; one without any comes back as it is."""
-    if type(search) is GSA:
-        return CompiledGSA(**vars(search))
+    if type(search) in OWN:
+        return OWN[type(search)](**vars(search))
     if is_dataclass(search) and type(getattr(search, "flight", None)) is Flight:
         return replace(search, flight=CompiledFlight(**vars(search.flight)))
     return search
@@ -91,3 +93,28 @@ def _attract(columns: Floats, pullers: Floats, masses: Floats, weights: Floats, 
         for j in range(dimensions):
             for i in range(n):
                 pull[j, i] += (pullers[k, j] - columns[j, i]) * weights[k, j, i] * strength[i]
+
+
+class CompiledSCA(SCA):
+    """Swings one population that is clipped at the walls in one pass; leaves others to NumPy."""
+
+    def moved(self, state: PopulationState, swing: Floats, r3: Floats) -> Floats:
+        """See `study.search.sca.SCA.moved`."""
+        x = state.members
+        if x.ndim > 2 or self.bounds != "clip":
+            return super().moved(state, swing, r3)
+        moved = np.empty(x.shape)
+        _swing(x, state.incumbent, swing, r3, walls(state.box, x.shape), moved)
+        return moved
+
+
+@exact
+def _swing(x: Floats, incumbent: Floats, swing: Floats, r3: Floats, ends: tuple[Floats, Floats], moved: Floats) -> None:
+    lower, upper = ends
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            to = x[i, j] + swing[i, j] * abs(r3[i, j] * (2.0 * incumbent[j]) - x[i, j])
+            moved[i, j] = min(max(to, lower[i, j]), upper[i, j])
+
+
+OWN: dict[type, type] = {GSA: CompiledGSA, SCA: CompiledSCA}

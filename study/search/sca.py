@@ -43,9 +43,20 @@ class SCA(SideBySide):
         x = state.members
         r1 = self.amplitude * (1.0 - state.progress)  # eq. (3.4)
         r2, r3, r4 = rng.random((3, *x.shape[-2:]))
-        swing = np.cos(2.0 * np.pi * r2 - 0.5 * np.pi * (r4 < 0.5))  # a quarter turn makes the cosine a sine
-        moved = x + r1 * swing * np.abs(2.0 * r3 * state.incumbent - x)  # eq. (3.3)
-        return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
+        quarters = 4.0 * r2 + np.rint(r4)  # of a turn: r4 from a half on adds one, which makes the sine a cosine
+        return evolved(state, candidates=self.moved(state, r1 * np.sin(0.5 * np.pi * quarters), r3))
+
+    def moved(self, state: PopulationState, swing: Floats, r3: Floats) -> Floats:
+        """Swing every member towards the incumbent or away from it, Eq. (3.3).
+
+        Parameters
+        ----------
+        state : PopulationState
+        swing, r3 : arrays of the members' shape
+            Amplitude times sine or cosine, and the random weight of the incumbent.
+        """
+        x = state.members
+        return brought_back(self.bounds, state.box, x + swing * np.abs(r3 * (2.0 * state.incumbent) - x))
 
     def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
         """Take the new positions, better or not."""
