@@ -74,5 +74,7 @@ READING = (
     "is the median of the ratios, then their least and most.",
     "The papers' way values one candidate and one joint at a time: a 14 x 14 system for 3-5-3, a library's interpolation "
     "for the spline, rates at 100 times per segment. Ours are exact extrema.",
-    "Search overhead is the time per evaluation with an objective that costs next to nothing.",
+    "Search overhead is the time per evaluation with an objective that costs next to nothing. Ours take their compiled "
+    "steps, where they have any and numba is there.",
+    "End to end, the targets are those of a cell's repetitions as one batch; a single run stands beside them without any.",
 )
