@@ -132,6 +132,7 @@ def lines_run(search: str, population: int, monkeypatch: pytest.MonkeyPatch) -> 
         return trace
 
     monkeypatch.setattr(searches, "POPULATION", population)
+    monkeypatch.setenv(engine.VARIABLE, engine.NUMPY)  # compiled steps would hide what they stand for
     call, before = searches.ours(search, generations=10), sys.gettrace()
     sys.settrace(trace)
     try:
@@ -147,9 +148,9 @@ WALKING = {"gold-sa", "golds-pso", "chaotic-spso"}
 
 @pytest.mark.parametrize("search", [name for name in searches.SEARCHES if name not in WALKING])
 def test_no_search_loops_over_its_candidates(search: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Counted work: a population four times as large runs as many lines."""
+    """Counted work: a population four times as large runs as many lines; GSA goes through its pullers 32 at a time."""
     few, many = (lines_run(search, population, monkeypatch) for population in (20, 80))
-    assert many < 1.1 * few
+    assert many < (1.2 if search == "gsa" else 1.1) * few
 
 
 @pytest.mark.parametrize(("curve", "arrays"), [("poly353", 60), ("cubic-spline", 10), ("bspline", 50)])
