@@ -150,7 +150,7 @@ WALKING = {"gold-sa", "golds-pso", "chaotic-spso"}
 def test_no_search_loops_over_its_candidates(search: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Counted work: a population four times as large runs as many lines; GSA goes through its pullers 32 at a time."""
     few, many = (lines_run(search, population, monkeypatch) for population in (20, 80))
-    assert many < (1.2 if search == "gsa" else 1.1) * few
+    assert many < (1.5 if search == "gsa" else 1.1) * few
 
 
 @pytest.mark.parametrize(("curve", "arrays"), [("poly353", 60), ("cubic-spline", 10), ("bspline", 50)])
