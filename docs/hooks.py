@@ -10,9 +10,9 @@ from typing import Any
 
 from study.bench import figures, wording
 from study.bench.run import read
-from study.experiment.ledger import ledger
-from study.experiment.ownfile import schema
-from study.experiment.registry import planner_named, planner_names
+from study.cases.ledger import ledger
+from study.cases.own_file import schema
+from study.registry import planner_named, planner_names
 
 
 def on_page_markdown(markdown: str, **kwargs: Any) -> str:

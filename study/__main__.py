@@ -8,7 +8,7 @@ import sys
 def main() -> None:
     """Run the command."""
     try:
-        from study.cli import main as run
+        from study.cli.main import main as run
     except ModuleNotFoundError as error:
         if str(error.name).partition(".")[0] == "study":
             raise  # a file of ours is missing: no package that could be installed

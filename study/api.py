@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from study.errors import StudyError
-from study.experiment.execution import Task, execute, usual_settings
-from study.experiment.registry import planner_named, planner_names
-from study.experiment.results import Cell, Result
 from study.io.export import write_motion
 from study.judge import Verdict
-from study.planning import RunSettings
+from study.planning import RunSettings, usual_settings
 from study.problem import Problem
+from study.registry import planner_named, planner_names
+from study.runs.execute import Task, execute
+from study.store.results import Cell, Result
 from study.trajectory import Motion
 
 __all__ = ["COMPARED", "Comparison", "Planned", "automatic", "compare", "plan", "usual_settings"]

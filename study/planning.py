@@ -10,7 +10,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from study.errors import StudyError
-from study.problem import Floats, Problem
+from study.problem import EndCondition, Floats, Problem
 from study.trajectory import Motion
 
 
@@ -109,6 +109,18 @@ class Planner(Protocol):
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Plan a motion; failures come back as a status with a message, not as an exception."""
+
+
+def usual_settings(problem: Problem) -> RunSettings:
+    """Choose settings for a problem of one's own: a curve that fits, all joints together, every candidate made feasible."""
+    return RunSettings(curve=usual_curve(problem), formulation="scaled", synchronisation="shared")
+
+
+def usual_curve(problem: Problem) -> str:
+    """Name the curve family that gives the ends what the problem demands of them."""
+    if problem.end is not EndCondition.SMOOTH:
+        return "cubic-spline"
+    return "poly353" if problem.n_waypoints == 4 else "cubic-spline-smooth"
 
 
 class Meter:

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from study.cli import main
-from study.experiment.cases import Case, Published
+from study.cases.library import Case, Published
+from study.cli.main import main
 from study.planning import RunSettings
 from study.problem import EndCondition, JointLimits, Problem
 
@@ -145,7 +145,7 @@ def run_here(*arguments: object, cwd: Path | None = None) -> subprocess.Complete
 
 def command(*arguments: object) -> list[str]:
     """Command line of `study` with the interpreter that runs the tests."""
-    return [sys.executable, "-c", "from study.cli import main; main()", *map(str, arguments)]
+    return [sys.executable, "-c", "from study.cli.main import main; main()", *map(str, arguments)]
 
 
 def stored(path: Path) -> int:

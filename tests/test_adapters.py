@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from study.adapters import DurationObjective, ioh_callable, mealpy_problem, objective, pymoo_problem, suite
+from study.cases.library import case_names
 from study.curves import curve_named
 from study.errors import StudyError
-from study.experiment.cases import case_names
 from study.judge import judge
 
 DEFAULT = case_names(default_only=True)

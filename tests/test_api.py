@@ -168,7 +168,7 @@ print(plan(problem).duration, plan(problem, "ruckig-stops").reason, compare(prob
             "from study.adapters import objective",
             "need the Python packages pydantic and pyyaml; install them with: pip",
         ),
-        ("from study.experiment.cases import load_case", "need the Python packages pydantic and pyyaml"),
+        ("from study.cases.library import load_case", "need the Python packages pydantic and pyyaml"),
         (
             "from study.io.rows import read_rows; from pathlib import Path; read_rows(Path('a.yaml'))",
             "pip install pyyaml",
@@ -203,7 +203,7 @@ def test_the_command_says_what_it_lacks():
 
 
 def test_a_missing_file_of_ours_is_not_taken_for_a_package():
-    code = "import sys; sys.modules['study.terminal'] = None\nfrom study.__main__ import main; main()"
+    code = "import sys; sys.modules['study.cli.terminal'] = None\nfrom study.__main__ import main; main()"
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert ended.returncode == 1
     assert "ModuleNotFoundError" in ended.stderr
@@ -317,7 +317,7 @@ def test_the_schema_is_printed_as_json(study_command):
 
 
 def test_end_condition_decides_the_curve():
-    from study.experiment.execution import usual_curve
+    from study.planning import usual_curve
 
     problems = {end: Problem("p", FOUR, JointLimits(V, A, J), end) for end in EndCondition}
     assert [usual_curve(problems[end]) for end in EndCondition] == ["cubic-spline", "cubic-spline", "poly353"]

@@ -5,9 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from baselines.bspline_nlp import BSplineNlp, Shape, Transcription, derivative_matrix, first_shape, knots_of, stretch
-from baselines.lower_bounds import lower_bound
-from baselines.ruckig_via import ruckig_via
+from baselines.bounds.lower_bounds import lower_bound
+from baselines.free_path.bspline_nlp import (
+    BSplineNlp,
+    Shape,
+    Transcription,
+    derivative_matrix,
+    first_shape,
+    knots_of,
+    stretch,
+)
+from baselines.state_to_state.via import ruckig_via
 from study import EndCondition, JointLimits, Problem, judge
 from study.planning import RunSettings, Status
 from study.testing import check_planner

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from baselines import _transcription
-from baselines._extremal import NEAR, Critical, Slots, polynomial_critical
-from baselines._family_bspline import velocity_bound
-from baselines._starts import starts
-from baselines.casadi_nlp import CASADI_NLP, CasadiNlp, optimise
+from baselines.segment_times import model as _transcription
+from baselines.segment_times.bspline_curve import velocity_bound
+from baselines.segment_times.critical_points import NEAR, Critical, Slots, polynomial_critical
+from baselines.segment_times.nlp import CASADI_NLP, CasadiNlp, optimise
+from baselines.segment_times.starts import starts
 from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.curves import CURVES
 from study.formulation import Scaled

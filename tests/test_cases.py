@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import yaml
 
+from study.cases.library import case_names, load_case
+from study.cases.published import papers, tables
 from study.curves import curve_named
 from study.datafiles import data_folder, read_yaml
 from study.errors import StudyError
-from study.experiment.cases import case_names, load_case
-from study.experiment.published import papers, tables
 from study.judge import judge
 from study.problem import EndCondition
 from study.robots import robot_named, robot_names
@@ -261,7 +261,7 @@ def test_limits_of_a_variant_replace_one_kind_and_can_be_taken_away(content: dic
     path = tmp_path / "mine.yaml"
     path.write_text(yaml.safe_dump(content))
     assert load_case(path).problem.limits.jerk[0] == np.inf
-    from study.experiment.cases import _cases_in
+    from study.cases.library import _cases_in
 
     limits = _cases_in(path)["more"].problem.limits
     np.testing.assert_array_equal(limits.rates, [[0.6, 0.6, 1.8, 1.8], [np.inf] * 4, [10, 10, 100, 100]])

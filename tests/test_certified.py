@@ -9,16 +9,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from baselines import _bounds_spline, _branch_bound, certified
-from baselines._bounds353 import Bounds353, peak_instants
-from baselines._bounds_spline import Relaxation, Units, spline_bound, velocity_ranges
-from baselines._branch_bound import enclose, halves
-from baselines.casadi_nlp import optimise
-from baselines.certified import CERTIFIED, GAP, certify, obstacle
+from baselines.bounds import branch_bound as _branch_bound
+from baselines.bounds import certified
+from baselines.bounds import cubic_spline as _bounds_spline
+from baselines.bounds.branch_bound import enclose, halves
+from baselines.bounds.certified import CERTIFIED, GAP, certify, obstacle
+from baselines.bounds.cubic_spline import Relaxation, Units, spline_bound, velocity_ranges
+from baselines.bounds.poly353 import Bounds353, peak_instants
+from baselines.segment_times.nlp import optimise
 from study import JointLimits, Problem, judge
+from study.cases.library import load_case
 from study.curves import CURVES
 from study.deadline import watched
-from study.experiment.cases import load_case
 from study.formulation import Scaled
 from study.planning import RunSettings, Status
 from tests.test_casadi_nlp import WOODWORKING, random_problem

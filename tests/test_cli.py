@@ -5,8 +5,8 @@ import subprocess
 import numpy as np
 import pytest
 
+from study.cases.library import case_names, load_case
 from study.curves import curve_named
-from study.experiment.cases import case_names, load_case
 from tests.conftest import CASE_FILE, command, stored, wait_until
 
 

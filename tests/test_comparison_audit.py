@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from study.cases.library import load_case
 from study.comparison import ablations, audit, tasks
 from study.comparison.audit import FunctionFinding, TrajectoryFinding
 from study.comparison.effort import QUICK
@@ -11,7 +12,6 @@ from study.comparison.sentences import axes_audited
 from study.comparison.trials import Job, Outcome, Trial, run_trial
 from study.curves import curve_named
 from study.errors import StudyError
-from study.experiment.cases import load_case
 from study.formulation import Scaled
 from study.search.random_search import RandomSearch
 from study.search.smwoa import SMWOA

@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from study.cases.library import case_names, load_case
+from study.cases.published import claims
 from study.comparison.build import compare, flags, trial_jobs
 from study.comparison.claims import HEADLINES
 from study.comparison.contestants import TRIVIAL, level_cells
@@ -17,8 +19,6 @@ from study.comparison.effort import FULL, QUICK
 from study.comparison.ioh import write_ioh
 from study.comparison.pages import PAGES, tables_of, write_pages
 from study.errors import StudyError
-from study.experiment.cases import case_names, load_case
-from study.experiment.published import claims
 
 pytest.importorskip("scikit_posthocs", reason="the comparison needs the extra 'compare'")
 
@@ -244,7 +244,7 @@ def test_iohinspector_reads_the_export(whole, tmp_path):
 
 
 def test_one_seed_is_refused(tmp_path):
-    from study.comparison.command import compare_command
+    from study.cli.compare import compare_command
 
     with pytest.raises(StudyError, match="at least 2 seeds"):
         compare_command(CASES, tmp_path / "r.sqlite", False, 1, 1, None)

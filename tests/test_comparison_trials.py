@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 
+from study.cases.library import load_case
 from study.comparison import tasks, trialstore
 from study.comparison.audit import audited_searches, function_jobs, trajectory_jobs
 from study.comparison.build import trial_jobs
@@ -13,11 +14,10 @@ from study.comparison.staleness import drop_stale_trials
 from study.comparison.trials import Job, Outcome, Trial, run_trial, run_trials
 from study.comparison.trialstore import TrialStore, batches, key_of, run_jobs
 from study.errors import StudyError
-from study.experiment.cases import load_case
-from study.experiment.storekeeping import merge, verify
 from study.search.pso import PSO
 from study.search.random_search import RandomSearch
 from study.search.woa import WOA
+from study.store.maintenance import merge, verify
 
 TRIAL = Trial("woa", "sphere", tasks.SHIFTED, 1, 100, 10, 4)
 JOBS = [Job(replace(TRIAL, seed=seed), WOA()) for seed in range(3)] + [Job(replace(TRIAL, search="pso"), PSO())]
@@ -107,7 +107,7 @@ def test_stale_trials_are_dropped_and_those_that_cannot_be_told_stay(compared, m
 
 
 def test_the_code_behind_a_task_is_behind_its_trials():
-    from study.experiment.codeversion import _imports
+    from study.code_digest import _imports
 
     assert {"study.comparison.tasks", "study.search.batch"} <= set(_imports("study.comparison.trials"))
     assert {"study.curves", "study.formulation", "study.testfunctions"} <= set(_imports("study.comparison.tasks"))

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 
 from study.curves import CURVES, engine
 from study.errors import StudyError
-from study.experiment.registry import planner_named
 from study.formulation import Penalty
 from study.planning import Meter
 from study.problem import Floats
+from study.registry import planner_named
 from study.search.gsa import GSA, halves
 from study.search.loop import Box, Search, minimise
 from study.search.pso import PSO, Flight
@@ -146,12 +146,12 @@ def test_engine_without_numba(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_importing_the_command_does_not_import_numba() -> None:
-    code = "import sys, study.cli, study.planners.segment_times; sys.exit('numba' in sys.modules)"
+    code = "import sys, study.cli.main, study.planners.segment_times; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_objective_agrees() -> None:
-    from study.experiment.cases import load_case
+    from study.cases.library import load_case
 
     problem = load_case("woodworking").problem
     durations = np.random.default_rng(7).uniform(*problem.duration_bounds, (200, problem.n_segments))

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from study.cases.library import load_case
+from study.code_digest import _imports, code_digest
 from study.deadline import noted, watched
-from study.experiment.cases import load_case
-from study.experiment.codeversion import _imports, code_digest
-from study.experiment.lineup import Budget, make_cells, parse_specs
-from study.experiment.registry import planner_code
-from study.experiment.runner import Task, execute, run_cells
-from study.experiment.store import Store
 from study.planning import Status
+from study.registry import planner_code
+from study.runs.lineup import Budget, make_cells, parse_specs
+from study.runs.runner import Task, execute, run_cells
+from study.store.store import Store
 
 
 def digest_of(folder, jobs, planners, seeds):

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from study.experiment.ownfile import schema
-from study.experiment.torture import reference_planners
+from study.cases.own_file import schema
+from study.testing.stress import reference_planners
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted((ROOT / "docs" / "pages").glob("*.md"))

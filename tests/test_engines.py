@@ -6,13 +6,13 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from study.errors import StudyError
-from study.experiment import engines
-from study.experiment.engines import dask_executor
-from study.experiment.lineup import Budget, make_cells, parse_specs
-from study.experiment.pool import MEMORY
-from study.experiment.runner import RunOptions, run_cells
-from study.experiment.store import Store
 from study.planning import Status
+from study.runs import dask as engines
+from study.runs.dask import dask_executor
+from study.runs.lineup import Budget, make_cells, parse_specs
+from study.runs.pool import MEMORY
+from study.runs.runner import RunOptions, run_cells
+from study.store.store import Store
 
 distributed = pytest.importorskip("distributed", reason="Dask is an extra")
 psutil = pytest.importorskip("psutil", reason="comes with Dask")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from study.errors import StudyError
-from study.forensics import (
+from study.reproduction.forensics import (
     Summary,
     above_largest,
     below_optimum,

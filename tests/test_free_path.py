@@ -7,14 +7,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from baselines import free_path_nlp
-from baselines._free_path_transcription import casadi_module
+from baselines.bounds.lower_bounds import lower_bound
 from baselines.closed_forms import three_limit_time, two_limit_time
-from baselines.free_path_nlp import FreePathNlp, free_path, surplus
-from baselines.lower_bounds import lower_bound
-from baselines.quintic_nlp import QUINTIC_NLP
-from baselines.ruckig_stops import ruckig_stops
-from baselines.ruckig_via import ruckig_via
+from baselines.free_path import nlp as free_path_nlp
+from baselines.free_path.nlp import FreePathNlp, free_path, surplus
+from baselines.free_path.transcription import casadi_module
+from baselines.segment_times.quintic_nlp import QUINTIC_NLP
+from baselines.state_to_state.stops import ruckig_stops
+from baselines.state_to_state.via import ruckig_via
 from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.planning import RunSettings, Status
 from tests.reference_problems import EACH_LIMIT, INF, small, woodworking

@@ -8,10 +8,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from study import EndCondition, JointLimits, Problem, StudyError, judge, plan
-from study.experiment.execution import usual_settings
-from study.experiment.registry import planner_named, planner_names, unavailable_planners
-from study.experiment.torture import CRASH, FEASIBLE, OUTCOMES, WRONG, Attempt, endure, problem_number, torture
-from study.planning import RunSettings
+from study.planning import RunSettings, usual_settings
+from study.registry import planner_named, planner_names, unavailable_planners
+from study.testing.stress import CRASH, FEASIBLE, OUTCOMES, WRONG, Attempt, endure, problem_number, torture
 
 QUICK = ("casadi-nlp", "ruckig-stops", "toppra", "golds-pso", "random-search")
 ALWAYS = ("casadi-nlp", "ruckig-stops")

@@ -6,7 +6,7 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from study.cli import app
+from study.cli.main import app
 
 
 def commands(command=None, path=()):

@@ -12,14 +12,14 @@ SOURCES = sorted(path for package in ("study", "baselines") for path in (ROOT / 
 OWNERS = {
     "casadi": ("baselines/",),
     "toppra": (
-        "baselines/toppra_retiming.py",
+        "baselines/path_timing/toppra.py",
         "study/bench/references.py",
     ),  # the latter as a peer, by its own defaults
-    "ruckig": ("baselines/ruckig_moves.py",),
+    "ruckig": ("baselines/state_to_state/moves.py",),
     "rerun": ("study/report/recording/",),
     "matplotlib": tuple(f"study/{part}/figures.py" for part in ("report", "reproduction", "comparison", "bench")),
     "numba": ("study/curves/kernels.py",),
-    "pickle": ("study/experiment/pool.py",),  # between the run's own processes only
+    "pickle": ("study/runs/pool.py",),  # between the run's own processes only
 }
 
 
@@ -32,11 +32,11 @@ def loaded_after(statement: str) -> set[str]:
 
 def test_the_question_and_the_command_load_no_solver_viewer_or_plotter():
     heavy = {"casadi", "toppra", "ruckig", "rerun", "matplotlib", "baselines", "mealpy", "pymoo", "cmaes", "numba"}
-    assert not loaded_after("import study, study.cli") & heavy
+    assert not loaded_after("import study, study.cli.main") & heavy
 
 
 def test_a_planner_loads_its_own_package_only():
-    loaded = loaded_after("from study.experiment.registry import planner_named\nplanner_named('golds-pso')")
+    loaded = loaded_after("from study.registry import planner_named\nplanner_named('golds-pso')")
     assert not loaded & {"casadi", "toppra", "ruckig", "rerun", "matplotlib", "baselines"}
 
 

@@ -8,11 +8,11 @@ import pytest
 import yaml
 
 from study import EndCondition, StudyError
-from study.commands.example import EXAMPLE
+from study.cases.library import load_case
+from study.cases.obstacles import nearest
+from study.cases.own_file import schema
+from study.cli.example import EXAMPLE
 from study.datafiles import data_folder
-from study.experiment.cases import load_case
-from study.experiment.obstacles import nearest
-from study.experiment.ownfile import schema
 from tests.test_io_limits import MOVEIT, URDF
 
 PLAIN = {

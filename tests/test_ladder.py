@@ -7,15 +7,15 @@ import io
 import pytest
 from rich.console import Console
 
-from study import terminal
-from study.experiment.cases import load_case
-from study.experiment.lineup import AS_IN_PAPER, Budget, Spec, make_cells
-from study.experiment.results import Result
-from study.experiment.runner import Task, execute
-from study.experiment.summary import CURVE, FIXED_PATH, FREE_PATH, case_rows
-from study.report.featured import featured
-from study.report.ladder import ladder_of
-from study.report.rows import entries_of, lower_bound
+from study.analysis.featured import featured
+from study.analysis.ladder import ladder_of
+from study.analysis.methods import CURVE, FIXED_PATH, FREE_PATH, case_rows
+from study.analysis.rows import entries_of, lower_bound
+from study.cases.library import load_case
+from study.cli import terminal
+from study.runs.lineup import AS_IN_PAPER, Budget, Spec, make_cells
+from study.runs.runner import Task, execute
+from study.store.results import Result
 
 REFERENCES = ("casadi-nlp", "certified", "quintic-nlp", "toppra", "ruckig-via", "free-path-nlp", "any-motion-bound")
 

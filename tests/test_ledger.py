@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from study.cases.ledger import ledger, ledger_entry
+from study.cases.library import load_case
+from study.cases.published import claims, papers, tables
 from study.curves import curve_named
 from study.errors import StudyError
-from study.experiment.cases import load_case
-from study.experiment.ledger import ledger, ledger_entry
-from study.experiment.published import claims, papers, tables
 from study.formulation import Scaled, stretch
 from study.judge import judge
 from study.robots import robot_named

@@ -14,10 +14,10 @@ import pytest
 from rerun.experimental import ViewerClient
 from typer.testing import CliRunner
 
-from study.cli import app
+from study import recording
+from study.cli.main import app
 from study.errors import StudyError
-from study.report import recording
-from study.report.recording import LiveRecording, live_recording, viewer
+from study.recording import LiveRecording, live_recording, viewer
 from tests.conftest import stored
 from tests.test_viewer import can_draw, pixels
 

@@ -6,17 +6,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from baselines import any_motion, lower_bounds
-from baselines import ruckig_via as via_module
-from baselines._cell_times import Cells, bend_reach, last_bend_crossing, reach, shortest_times
-from baselines.any_motion import AnyMotionBound
+from baselines.bounds import any_motion, lower_bounds
+from baselines.bounds.any_motion import AnyMotionBound
+from baselines.bounds.cell_times import Cells, bend_reach, last_bend_crossing, reach, shortest_times
+from baselines.bounds.lower_bounds import all_chains, bound, first_cells, lower_bound, with_implied_acceleration
 from baselines.closed_forms import shortest_time, two_limit_time
-from baselines.free_path_nlp import free_path
-from baselines.lower_bounds import all_chains, bound, first_cells, lower_bound, with_implied_acceleration
-from baselines.ruckig_moves import Mover, State
-from baselines.ruckig_stops import ruckig_stops
-from baselines.ruckig_via import ruckig_via
-from baselines.toppra_retiming import retime
+from baselines.free_path.nlp import free_path
+from baselines.path_timing.toppra import retime
+from baselines.state_to_state import via as via_module
+from baselines.state_to_state.moves import Mover, State
+from baselines.state_to_state.stops import ruckig_stops
+from baselines.state_to_state.via import ruckig_via
 from study import EndCondition, JointLimits, Problem, judge
 from study.curves import CURVES
 from study.deadline import watched

@@ -7,8 +7,8 @@ import pytest
 
 import baselines
 import study
-from baselines.ruckig_stops import RuckigStops
-from baselines.ruckig_via import RuckigVia
+from baselines.state_to_state.stops import RuckigStops
+from baselines.state_to_state.via import RuckigVia
 from study.planning import RunSettings, Status
 from tests.reference_problems import woodworking
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from baselines.casadi_nlp import optimise
-from baselines.certified import certify, obstacle
-from study.experiment.cases import case_names, load_case
-from study.experiment.lineup import Budget, Spec, make_cells
-from study.experiment.runner import Task, execute
-from study.experiment.store import Store
+from baselines.bounds.certified import certify, obstacle
+from baselines.segment_times.nlp import optimise
+from study.cases.library import case_names, load_case
 from study.problem import JointLimits, Problem
+from study.runs.lineup import Budget, Spec, make_cells
+from study.runs.runner import Task, execute
+from study.store.store import Store
 from tests.test_casadi_nlp import random_problem, shape
 
 ON_353 = [name for name in case_names() if load_case(name).curve == "poly353"]

@@ -110,7 +110,7 @@ def test_an_installed_wheel_runs_from_another_folder(wheel, tmp_path):
         "import study, study.datafiles; from pathlib import Path; "
         "print(Path(study.__file__).parent); print(study.datafiles.data_folder()); "
         "import sys; sys.argv = ['study', 'run', '--cases', 'woodworking', '--planners', 'pso,ruckig-stops', "
-        "'--seeds', '1', '--evaluations', '100', '--jobs', '1', '--no-report']; from study.cli import main; main()"
+        "'--seeds', '1', '--evaluations', '100', '--jobs', '1', '--no-report']; from study.cli.main import main; main()"
     )
     environment = {**os.environ, "PYTHONPATH": str(target)}
     ended = subprocess.run(

@@ -5,8 +5,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from baselines.topp3_nlp import Topp3NLP
-from baselines.toppra_retiming import Toppra, chord_path, grid
+from baselines.path_timing.topp3_nlp import Topp3NLP
+from baselines.path_timing.toppra import Toppra, chord_path, grid
 from study import EndCondition, JointLimits, Problem, judge
 from study.planning import RunSettings, Status
 
@@ -69,7 +69,7 @@ def test_not_applicable_without_a_jerk_limit():
 @pytest.fixture
 def copp():
     pytest.importorskip("copp_py", reason="the extra `copp` is not installed")
-    from baselines import copp_retiming
+    from baselines.path_timing import copp as copp_retiming
 
     return copp_retiming
 

@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from study import recording
+from study.cases.ledger import data_folder
+from study.cases.library import load_case
 from study.errors import StudyError
-from study.experiment.cases import load_case
-from study.experiment.ledger import data_folder
-from study.experiment.lineup import Budget, make_cells, parse_specs
-from study.experiment.runner import Task, execute
-from study.report import recording
 from study.report.pictures import standalone, write_pictures
 from study.report.readme import answer_in_markdown, put_answer
+from study.runs.lineup import Budget, make_cells, parse_specs
+from study.runs.runner import Task, execute
 from tests.test_recording import some_results
 from tests.test_viewer import can_draw
 

@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from study.experiment import progress
-from study.experiment.cases import Case
-from study.experiment.execution import Task, execute
-from study.experiment.lineup import Budget, make_cells, parse_specs
-from study.experiment.pool import Overdue, WorkerPool, speaker
-from study.experiment.progress import Progress, reporting
-from study.experiment.registry import planner_named
-from study.experiment.results import Cell
-from study.experiment.runner import RunOptions, run_cells
-from study.experiment.store import Store
+from study.cases.library import Case
 from study.planning import Meter
+from study.registry import planner_named
+from study.runs import progress
+from study.runs.execute import Task, execute
+from study.runs.lineup import Budget, make_cells, parse_specs
+from study.runs.pool import Overdue, WorkerPool, speaker
+from study.runs.progress import Progress, reporting
+from study.runs.runner import RunOptions, run_cells
+from study.store.results import Cell
+from study.store.store import Store
 
 
 def cells_of(case: Case, specs: str, seeds: int = 1, evaluations: int = 120) -> list[Cell]:

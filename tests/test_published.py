@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from study.cases.published import claims, papers, parsed, tables
 from study.errors import StudyError
-from study.experiment.published import claims, papers, parsed, tables
 
 COUNTS = {  # rows x columns of the printed tables
     "woodworking-golds-pso": {"Table 1": 4 * 5, "Table 2": 8 * 4, "Table 3": 8 * 3 * 5, "Table 4": 4 * 4, "Table 5": 12 * 4},

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from baselines._family_quintic import Quintic
-from baselines._transcription import Scales
-from baselines.casadi_nlp import optimise
-from baselines.quintic_nlp import QUINTIC_NLP
+from baselines.segment_times.model import Scales
+from baselines.segment_times.nlp import optimise
+from baselines.segment_times.quintic_curve import Quintic
+from baselines.segment_times.quintic_nlp import QUINTIC_NLP
 from study import EndCondition, JointLimits, Problem, judge
 from study.curves import CURVES
 from study.planning import RunSettings, Status

@@ -13,20 +13,20 @@ import pyarrow as pa
 import pytest
 from rerun.chunk import RrdReader
 
+from study.cases.library import Case, load_case
 from study.curves import curve_named
 from study.errors import StudyError
-from study.experiment.cases import Case, load_case
-from study.experiment.results import Cell, Result
 from study.formulation import stretch
 from study.judge import judge
 from study.planning import RunSettings, Status
 from study.problem import Floats, JointLimits, Problem
-from study.report.recording import APPLICATION, case_recording, record_case, scene
-from study.report.recording.contents import ALIKE, NANOSECOND, gather, method_colors, sample_times
-from study.report.recording.process import private_environment
-from study.report.recording.stream import entity, method
-from study.report.recording.summary import markdown, plain
+from study.recording import APPLICATION, case_recording, record_case, scene
+from study.recording.contents import ALIKE, NANOSECOND, gather, method_colors, sample_times
+from study.recording.process import private_environment
+from study.recording.stream import entity, method
+from study.recording.summary import markdown, plain
 from study.robots import robot_named
+from study.store.results import Cell, Result
 from study.trajectory import Motion, Trajectory
 
 HOSTILE = ("pso:scaled,shared", "we/ird né `|` #1 <b>", "a\\:b", "a:b", "_limit", "../up", "__properties")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from study.analysis.activity import Use, lane, limit_uses
 from study.curves import CURVES
 from study.problem import JointLimits
-from study.report.activity import Use, lane, limit_uses
 from study.trajectory import Trajectory
 
 

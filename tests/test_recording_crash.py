@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from study.experiment.cases import load_case
-from study.experiment.store import Store, remembered_lineup
-from study.report.recording.contents import NANOSECOND, gather
-from study.report.recording.process import private_environment
-from study.report.recording.stream import entity
+from study.cases.library import load_case
+from study.recording.contents import NANOSECOND, gather
+from study.recording.process import private_environment
+from study.recording.stream import entity
+from study.store.store import Store, remembered_lineup
 from tests.conftest import command, stored, wait_until
 from tests.test_recording import series
 

@@ -11,11 +11,11 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from study.experiment.cases import Case, load_case
-from study.report.recording import meshes, record_case, viewer
-from study.report.recording.contents import NANOSECOND, gather
-from study.report.recording.process import private_environment
-from study.report.recording.stream import entity
+from study.cases.library import Case, load_case
+from study.recording import meshes, record_case, viewer
+from study.recording.contents import NANOSECOND, gather
+from study.recording.process import private_environment
+from study.recording.stream import entity
 from study.robots import robot_named
 from study.robots.urdf import UrdfRobot, urdf_robot
 from tests.test_io_limits import URDF

@@ -9,19 +9,19 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from study.experiment.cases import Case, load_case
-from study.experiment.execution import Task, execute
-from study.experiment.lineup import Budget, Spec, make_cells
-from study.experiment.obstacles import world_of
-from study.experiment.results import Result
+from study.analysis.replay import replayed
+from study.cases.library import Case, load_case
+from study.cases.obstacles import world_of
 from study.pathfinding.world import arm_clearance
-from study.report.recording import record_case
-from study.report.recording.contents import NANOSECOND, gather
-from study.report.recording.stream import entity
-from study.report.recording.summary import history, wall_times
-from study.report.recording.swarm import swarms_of
-from study.report.replay import replayed
+from study.recording import record_case
+from study.recording.contents import NANOSECOND, gather
+from study.recording.stream import entity
+from study.recording.summary import history, wall_times
+from study.recording.swarm import swarms_of
 from study.robots import robot_named
+from study.runs.execute import Task, execute
+from study.runs.lineup import Budget, Spec, make_cells
+from study.store.results import Result
 from tests.test_recording import chunks, columns, series
 
 

@@ -3,7 +3,8 @@ from dataclasses import replace
 import pytest
 
 from study.errors import StudyError
-from study.experiment.lineup import (
+from study.registry import planner_named, planner_names, planner_version, unavailable_planners
+from study.runs.lineup import (
     AS_IN_PAPER,
     HEADLINE_SEARCHES,
     Budget,
@@ -14,7 +15,6 @@ from study.experiment.lineup import (
     parse_spec,
     parse_specs,
 )
-from study.experiment.registry import planner_named, planner_names, planner_version, unavailable_planners
 
 EXTRAS = {"copp", "cma-es"}
 """Planners whose packages are extras."""

@@ -15,14 +15,14 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from study.cases.library import Case, load_case
 from study.errors import StudyError
-from study.experiment.cases import Case, load_case
-from study.experiment.lineup import Budget, Spec, make_cells
-from study.experiment.results import Result
-from study.experiment.runner import Task, execute
 from study.problem import Problem
 from study.report.page import STANDINGS, build_report
 from study.report.tables import COLUMNS, raw
+from study.runs.lineup import Budget, Spec, make_cells
+from study.runs.runner import Task, execute
+from study.store.results import Result
 
 NASTY = "<script>alert('x')</script> & \"q\" $y$ {{ 7*7 }}"
 ENVIRONMENT = {"Python": "3.x", "a <b>": NASTY}

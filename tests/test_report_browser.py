@@ -16,12 +16,12 @@ from urllib.request import url2pathname
 
 import pytest
 
+from study.cases.library import load_case
 from study.comparison.build import compare
 from study.comparison.pages import write_pages
-from study.experiment.cases import load_case
-from study.experiment.lineup import Budget, Spec, make_cells
-from study.experiment.runner import Task, execute
 from study.report.page import STANDINGS, build_report
+from study.runs.lineup import Budget, Spec, make_cells
+from study.runs.runner import Task, execute
 from tests.test_comparison_build import TINY
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)

@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from study.errors import StudyError
-from study.report.recording import offline
+from study.recording import offline
 from tests.browser import browser
 from tests.conftest import CASE_FILE, run_here
 

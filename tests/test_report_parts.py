@@ -9,27 +9,27 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from study.analysis import formatting as wording
+from study.analysis.causes import causes_of
+from study.analysis.featured import Featured, featured
+from study.analysis.glossary import glossary
+from study.analysis.ladder import ladder_of
+from study.analysis.methods import CURVE, FIXED_PATH, FREE_PATH, Row
+from study.analysis.rows import Entry, entries_of, on_curve
+from study.analysis.sentences import answer, case_answer
+from study.cases.library import Case, case_names, load_case
+from study.cases.papers import paper_of
 from study.curves import CURVES
-from study.experiment.cases import Case, case_names, load_case
-from study.experiment.lineup import Budget, Spec, default_lineup, make_cells
-from study.experiment.results import Cell, Result
-from study.experiment.runner import Task, execute
-from study.experiment.summary import CURVE, FIXED_PATH, FREE_PATH, Row
 from study.judge import judge
 from study.planning import RunSettings, Status
 from study.problem import JointLimits, Problem
-from study.report import wording
-from study.report.causes import causes_of
 from study.report.convergence import _on_grid, convergence_of
 from study.report.drawn import Convergence, HeadlineRow, Mark, Series, spaced_ticks
-from study.report.featured import Featured, featured
 from study.report.figures import convergence, headline, profile
-from study.report.glossary import glossary
-from study.report.ladder import ladder_of
-from study.report.papers import paper_of
-from study.report.rows import Entry, entries_of, on_curve
-from study.report.sentences import answer, case_answer
 from study.report.svg import THEME, themed
+from study.runs.lineup import Budget, Spec, default_lineup, make_cells
+from study.runs.runner import Task, execute
+from study.store.results import Cell, Result
 
 
 def entry(kind: str, median: float, path: str = CURVE, best: float | None = None, label: str = "x") -> Entry:

@@ -10,13 +10,14 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
-from study.cli import app
+from study.cases.library import load_case
+from study.cases.published import claims, papers, tables
+from study.cli.main import app
+from study.cli.main import reproduce as command
 from study.errors import StudyError
-from study.experiment.cases import load_case
-from study.experiment.published import claims, papers, tables
 from study.judge import judge
 from study.planning import Meter
-from study.reproduction import command, jobs, page
+from study.reproduction import jobs, page
 from study.reproduction.benchmark_runs import BenchmarkCell, settled_at, thinned
 from study.reproduction.book import MODULES, entries_of, jobs_of, paper_named
 from study.reproduction.effort import FULL, QUICK, Effort

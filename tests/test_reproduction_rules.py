@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from study.cases.library import load_case
+from study.cases.published import Cell, tables
 from study.errors import StudyError
-from study.experiment.cases import load_case
-from study.experiment.published import Cell, tables
 from study.reproduction import rules
 from study.reproduction.arithmetic import Statistics, examine, grain, largest, outside_extremes
 from study.reproduction.benchmark_table import RUNS, BenchmarkTable

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from study.cases.library import load_case
+from study.cases.published import tables
 from study.errors import StudyError
-from study.experiment.cases import load_case
-from study.experiment.published import tables
 from study.robots import BRANCHES, inverse, robot_named, robot_names
 from study.robots.helix import BRANCH, helix_configurations, helix_points
 

@@ -5,12 +5,12 @@ import time
 import numpy as np
 import pytest
 
-from study.experiment.lineup import Budget, make_cells, parse_specs
-from study.experiment.runner import hard_limit, run_cells
-from study.experiment.store import Store
-from study.experiment.storekeeping import verify
 from study.planning import Status
 from study.problem import EndCondition, JointLimits, Problem
+from study.runs.lineup import Budget, make_cells, parse_specs
+from study.runs.runner import hard_limit, run_cells
+from study.store.maintenance import verify
+from study.store.store import Store
 from tests.conftest import case_of
 
 LIMIT = 2.0

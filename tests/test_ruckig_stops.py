@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from baselines.closed_forms import rest_to_rest_time, three_limit_time, two_limit_time
-from baselines.ruckig_moves import Mover, State, at_rest, ruckig_module
-from baselines.ruckig_stops import RuckigStops, ruckig_stops
+from baselines.state_to_state.moves import Mover, State, at_rest, ruckig_module
+from baselines.state_to_state.stops import RuckigStops, ruckig_stops
 from study import JointLimits, Problem, StudyError, judge
 from study.planning import RunSettings, Status
 from tests.reference_problems import EACH_LIMIT, INF, A, V, small, woodworking

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from baselines._via_times import Passing, Timing
 from baselines.closed_forms import largest_displacement, shortest_time
-from baselines.free_path_nlp import free_path
-from baselines.ruckig_moves import Mover, State
-from baselines.ruckig_stops import ruckig_stops
-from baselines.ruckig_via import RuckigVia, ruckig_via
+from baselines.free_path.nlp import free_path
+from baselines.state_to_state.moves import Mover, State
+from baselines.state_to_state.stops import ruckig_stops
+from baselines.state_to_state.via import RuckigVia, ruckig_via
+from baselines.state_to_state.via_times import Passing, Timing
 from study import EndCondition, JointLimits, Problem, judge
-from study.experiment.cases import load_case
+from study.cases.library import load_case
 from study.planning import RunSettings, Status
 from tests.reference_problems import EACH_LIMIT, INF, small, woodworking
 

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from study.errors import StudyError
-from study.experiment.lineup import Budget, make_cells, parse_specs
-from study.experiment.pool import Overdue, WorkerDied, WorkerPool
-from study.experiment.runner import Task, execute, hard_limit, run_cells
-from study.experiment.store import Store
 from study.planning import Status
+from study.runs.lineup import Budget, make_cells, parse_specs
+from study.runs.pool import Overdue, WorkerDied, WorkerPool
+from study.runs.runner import Task, execute, hard_limit, run_cells
+from study.store.store import Store
 from tests.conftest import stored, wait_until
 
 
@@ -180,10 +180,10 @@ def test_closing_at_once_ends_what_runs():
 KILL_SCRIPT = """
 import sys
 from pathlib import Path
-from study.experiment.cases import load_case
-from study.experiment.lineup import Budget, make_cells, parse_specs
-from study.experiment.runner import run_cells
-from study.experiment.store import Store
+from study.cases.library import load_case
+from study.runs.lineup import Budget, make_cells, parse_specs
+from study.runs.runner import run_cells
+from study.store.store import Store
 
 if __name__ == "__main__":
     path, case, jobs = Path(sys.argv[1]), load_case(sys.argv[2]), int(sys.argv[3])

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from study.cases.library import load_case
 from study.curves import CURVES
 from study.errors import StudyError
-from study.experiment.cases import load_case
-from study.experiment.registry import planner_named, planner_names, unavailable_planners
 from study.formulation import Penalty
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Meter
 from study.problem import Floats
+from study.registry import planner_named, planner_names, unavailable_planners
 from study.search.batch import minimise_many
 from study.search.chaotic_spso import ChaoticSPSO
 from study.search.draws import Generators

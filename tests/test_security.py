@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from study.cases.library import load_case
 from study.errors import StudyError
-from study.experiment.cases import load_case
 from study.io.filenames import file_stem
 from tests.conftest import CASE_FILE
 

@@ -11,8 +11,13 @@ import pytest
 
 from study.curves import curve_named
 from study.errors import StudyError
-from study.experiment import store as store_module
-from study.experiment.codec import (
+from study.judge import judge
+from study.planning import Plan, Status
+from study.problem import EndCondition, JointLimits, Problem
+from study.runs.lineup import Budget, Spec, make_cells
+from study.runs.runner import Task, execute
+from study.store import store as store_module
+from study.store.codec import (
     RESULTS_FORMAT,
     canonical,
     cell_key,
@@ -23,13 +28,8 @@ from study.experiment.codec import (
     settings_text,
     unpack_arrays,
 )
-from study.experiment.lineup import Budget, Spec, make_cells
-from study.experiment.results import Result
-from study.experiment.runner import Task, execute
-from study.experiment.store import Store, remembered_lineup
-from study.judge import judge
-from study.planning import Plan, Status
-from study.problem import EndCondition, JointLimits, Problem
+from study.store.results import Result
+from study.store.store import Store, remembered_lineup
 
 
 def same(a, b):

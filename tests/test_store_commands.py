@@ -1,8 +1,8 @@
 import pytest
 from typer.testing import CliRunner
 
-from study.cli import app
-from study.commands.runs import STORE_NAME
+from study.cli.main import app
+from study.cli.run import STORE_NAME
 from study.errors import StudyError
 
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 from study.errors import StudyError
-from study.experiment import layout
-from study.experiment.codec import pack_arrays
-from study.experiment.lineup import Budget, Spec, make_cells
-from study.experiment.runner import Task, execute
-from study.experiment.store import CHECKED, Store, remembered_lineup, row_digest
-from study.experiment.storekeeping import verify
+from study.runs.lineup import Budget, Spec, make_cells
+from study.runs.runner import Task, execute
+from study.store import schema as layout
+from study.store.codec import pack_arrays
+from study.store.maintenance import verify
+from study.store.store import CHECKED, Store, remembered_lineup, row_digest
 
 ROOT = Path(__file__).parent.parent
 
@@ -84,9 +84,9 @@ from dataclasses import replace
 from pathlib import Path
 import numpy as np
 from study.errors import StudyError
-from study.experiment.lineup import Budget, Spec, make_cells
-from study.experiment.runner import Task, execute
-from study.experiment.store import Store
+from study.runs.lineup import Budget, Spec, make_cells
+from study.runs.runner import Task, execute
+from study.store.store import Store
 from tests.conftest import case_of
 from tests.test_storekeeping import TINY
 

@@ -14,13 +14,13 @@ import pyarrow.parquet as parquet
 import pytest
 
 from study.errors import StudyError
-from study.experiment import storekeeping
-from study.experiment.lineup import Budget, Spec, make_cells
-from study.experiment.runner import Task, execute
-from study.experiment.store import Store
-from study.experiment.storekeeping import compact, export_columns, merge, tallies, verify
 from study.planning import Status
 from study.problem import EndCondition, JointLimits, Problem
+from study.runs.lineup import Budget, Spec, make_cells
+from study.runs.runner import Task, execute
+from study.store import maintenance as storekeeping
+from study.store.maintenance import compact, export_columns, merge, tallies, verify
+from study.store.store import Store
 
 TINY = Problem(
     "tiny",
@@ -213,9 +213,9 @@ KILLED = """
 import sys
 from dataclasses import replace
 from pathlib import Path
-from study.experiment.lineup import Budget, Spec, make_cells
-from study.experiment.runner import Task, execute
-from study.experiment.store import Store
+from study.runs.lineup import Budget, Spec, make_cells
+from study.runs.runner import Task, execute
+from study.store.store import Store
 from tests.conftest import case_of
 from tests.test_storekeeping import TINY
 

@@ -3,11 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from study.analysis.methods import CURVE, FREE_PATH, case_rows, published_rows, summarise
 from study.curves import curve_named
-from study.experiment.results import Cell, Result
-from study.experiment.summary import CURVE, FREE_PATH, case_rows, published_rows, summarise
 from study.judge import judge
 from study.planning import Status
+from study.store.results import Cell, Result
 
 
 @pytest.fixture

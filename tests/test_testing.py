@@ -7,11 +7,11 @@ import pytest
 
 from study.curves import curve_named
 from study.errors import StudyError
-from study.experiment.registry import planner_named, planner_names, unavailable_planners
 from study.formulation import Scaled
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Plan, RunSettings, Status
 from study.problem import Problem
+from study.registry import planner_named, planner_names, unavailable_planners
 from study.search.random_search import RandomSearch
 from study.testing import NonconformingError, check_planner, check_search, example_problems, random_problem
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from baselines.closed_forms import two_limit_time
-from baselines.toppra_retiming import Toppra, chord_path, compose, grid, retime, toppra_module
+from baselines.path_timing.toppra import Toppra, chord_path, compose, grid, retime, toppra_module
 from study import JointLimits, Problem, StudyError, judge
 from study.curves import CURVES
 from study.planning import RunSettings, Status

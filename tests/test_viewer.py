@@ -16,12 +16,12 @@ import pytest
 from PIL import Image
 from rerun.experimental import ViewerClient
 
+from study.cases.library import case_names, load_case
 from study.errors import StudyError
-from study.experiment.cases import case_names, load_case
-from study.experiment.execution import Task, execute
-from study.experiment.lineup import Budget, Spec, make_cells
-from study.report.recording import live_recording, process, record_case, screenshot, view, viewer
-from study.report.recording.contents import NANOSECOND, gather
+from study.recording import live_recording, process, record_case, screenshot, view, viewer
+from study.recording.contents import NANOSECOND, gather
+from study.runs.execute import Task, execute
+from study.runs.lineup import Budget, Spec, make_cells
 from tests.test_recording import some_results
 
 DRIVERS = ("/usr/share/vulkan/icd.d/*.json", "/usr/local/share/vulkan/icd.d/*.json", "/etc/vulkan/icd.d/*.json")

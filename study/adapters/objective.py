@@ -9,10 +9,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
+from study.cases.library import Case, case_names, load_case
 from study.curves import curve_named
 from study.datafiles import Strict, checked, data_folder, read_yaml
 from study.errors import StudyError
-from study.experiment.cases import Case, case_names, load_case
 from study.formulation import FORMULATIONS, formulation_named
 from study.problem import Floats
 

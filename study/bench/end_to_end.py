@@ -15,8 +15,8 @@ import numpy as np
 
 from study.bench import papers_way, peers
 from study.bench.measuring import Call, Ratio, interleaved, missing
+from study.cases.library import load_case
 from study.curves import curve_named, engine
-from study.experiment.cases import load_case
 from study.formulation import Penalty
 from study.planners.plain import PSO_STANDARD
 from study.planning import Meter

@@ -7,10 +7,10 @@ from functools import partial
 from pathlib import Path
 
 from study.bench.measuring import Ratio, interleaved
-from study.experiment.cases import load_case
-from study.experiment.environment import environment
-from study.experiment.execution import Task, execute
-from study.experiment.lineup import Budget, Spec, make_cells
+from study.cases.library import load_case
+from study.runs.environment import environment
+from study.runs.execute import Task, execute
+from study.runs.lineup import Budget, Spec, make_cells
 
 TOPIC = "Report and recording"
 CASE = "woodworking"
@@ -19,8 +19,8 @@ PLANNERS = ("pso", "golds-pso", "casadi-nlp", "ruckig-stops")
 
 def output_rows(repetitions: int) -> list[Ratio]:
     """Write the report and the recording of a small run, again and again, into a folder that is then removed."""
+    from study.recording import record_case
     from study.report.page import build_report  # here: plotting and recording are slow to import
-    from study.report.recording import record_case
 
     case = load_case(CASE)
     cells = make_cells([case], [Spec(name) for name in PLANNERS], Budget(seeds=2, evaluations=500))

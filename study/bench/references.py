@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from study.bench.measuring import Ratio, interleaved
+from study.cases.library import load_case
 from study.errors import StudyError
-from study.experiment.cases import load_case
-from study.experiment.registry import planner_named
 from study.planning import Plan, RunSettings, Status
 from study.problem import Problem
+from study.registry import planner_named
 
 TOPIC = "Deterministic planners"
 PLANNERS = ("casadi-nlp", "toppra", "ruckig-stops", "ruckig-via", "copp")

@@ -20,7 +20,7 @@ from study.bench.references import reference_rows
 from study.bench.searches import search_rows
 from study.curves import engine
 from study.errors import StudyError
-from study.experiment.environment import environment
+from study.runs.environment import environment
 
 VERSION = 1
 QUICK_REPETITIONS, REPETITIONS = 5, 15

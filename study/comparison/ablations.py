@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from study.cases.library import Case
 from study.comparison import audit, statistics, tasks
 from study.comparison.effort import Effort
 from study.comparison.statistics import Interval
 from study.comparison.trials import Job, Trial
-from study.experiment.cases import Case
 from study.search.chaotic_spso import ChaoticSPSO
 from study.search.dynamic_adaptive_pso import DynamicAdaptivePSO
 from study.search.golds_pso import GoldSPSO

@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
+from study.cases.library import Case
 from study.comparison import statistics, tasks
 from study.comparison.effort import Effort
 from study.comparison.trials import Job, Outcome, Trial
-from study.experiment.cases import Case
-from study.experiment.registry import planner_named, planner_names, unavailable_planners
 from study.planners.segment_times import SegmentTimePlanner
+from study.registry import planner_named, planner_names, unavailable_planners
 from study.search.loop import Search
 
 ALARM = 10.0

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from study.cases.library import Case
 from study.comparison import ablations, audit, claims, differences, performance, statistics
 from study.comparison.contestants import (
     LEVELS,
@@ -22,11 +23,10 @@ from study.comparison.contestants import (
 from study.comparison.effort import Effort
 from study.comparison.trials import Job
 from study.comparison.trialstore import TrialStore, run_jobs
-from study.experiment.cases import Case
-from study.experiment.pool import WorkerPool
-from study.experiment.results import Cell, Result
-from study.experiment.runner import default_jobs, run_cells
-from study.experiment.store import Store
+from study.runs.pool import WorkerPool
+from study.runs.runner import default_jobs, run_cells
+from study.store.results import Cell, Result
+from study.store.store import Store
 
 FLAGS = "flags"
 Progress = Callable[[str, int, int], None]

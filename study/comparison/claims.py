@@ -7,17 +7,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from study.analysis.methods import published_rows
+from study.cases.library import Case
+from study.cases.published import claims
 from study.comparison import statistics
 from study.comparison.contestants import Contestant, Reference, Runs, contestants, installed
 from study.comparison.differences import difference, levelled
 from study.comparison.effort import Effort
 from study.comparison.statistics import Interval
-from study.experiment.cases import Case
-from study.experiment.lineup import Spec, make_cells
-from study.experiment.published import claims
-from study.experiment.results import Cell
-from study.experiment.summary import published_rows
 from study.problem import Floats
+from study.runs.lineup import Spec, make_cells
+from study.store.results import Cell
 
 
 @dataclass(frozen=True)

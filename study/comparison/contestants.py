@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from study.cases.library import Case
 from study.comparison.effort import Effort
-from study.experiment.cases import Case
-from study.experiment.lineup import Spec, make_cells
-from study.experiment.registry import planner_named, planner_names, unavailable_planners
-from study.experiment.results import Cell, Result
 from study.problem import Floats
+from study.registry import planner_named, planner_names, unavailable_planners
+from study.runs.lineup import Spec, make_cells
+from study.store.results import Cell, Result
 
 LEVELS = {
     "scaled": "every candidate stretched until it is exactly feasible, all joints together",

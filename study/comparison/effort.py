@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from study.experiment.lineup import FULL_SEEDS, QUICK_EVALUATIONS, TIME_LIMIT, Budget
+from study.runs.lineup import FULL_SEEDS, QUICK_EVALUATIONS, TIME_LIMIT, Budget
 
 QUICK_CASES = ("woodworking", "ur5-helix")
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from markupsafe import Markup, escape
 
+from study.analysis.formatting import DASH, count, percent, seconds
 from study.comparison.ablations import AblationFinding
 from study.comparison.audit import AXES, FunctionFinding, TrajectoryFinding, figure
 from study.comparison.claims import Against, Counterpart
@@ -19,7 +20,6 @@ from study.comparison.runtime import TARGETS
 from study.comparison.sentences import micro, p_value
 from study.comparison.statistics import Interval
 from study.comparison.tasks import SHIFTED
-from study.report.wording import DASH, count, percent, seconds
 
 FLAG = "⚑"
 Cell = str | Markup

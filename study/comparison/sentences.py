@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from study.analysis.formatting import listed, percent, plural, seconds
+from study.analysis.glossary import PRINTED
 from study.comparison.ablations import ABLATIONS, WHOLE, AblationFinding
 from study.comparison.audit import ALARM, AXES, SIGNIFICANT, FunctionFinding, TrajectoryFinding, figure
 from study.comparison.build import Comparison
@@ -15,8 +17,6 @@ from study.comparison.contestants import ALWAYS_SCALED, TRIVIAL
 from study.comparison.differences import Omnibus
 from study.comparison.performance import Performance
 from study.comparison.statistics import smallest_pair_p
-from study.report.glossary import PRINTED
-from study.report.wording import listed, percent, plural, seconds
 
 
 def p_value(p: float) -> str:

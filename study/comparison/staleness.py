@@ -12,11 +12,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from study.cases.library import case_names, load_case
 from study.comparison.build import trial_jobs
 from study.comparison.effort import FULL
 from study.comparison.trials import Job, Trial
 from study.comparison.trialstore import TrialStore, key_of
-from study.experiment.cases import case_names, load_case
 from study.problem import Problem
 from study.search.loop import Search
 

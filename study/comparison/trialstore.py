@@ -18,14 +18,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from study.code_digest import code_digest
 from study.comparison import trials
 from study.comparison.trials import Job, Outcome, Trial, run_trials
 from study.errors import StudyError
-from study.experiment.codec import canonical, problem_digest
-from study.experiment.codeversion import code_digest
-from study.experiment.store import Store, row_digest
-from study.experiment.storefile import explained, locked, transaction
 from study.problem import Problem
+from study.store.codec import canonical, problem_digest
+from study.store.file import explained, locked, transaction
+from study.store.store import Store, row_digest
 
 TOGETHER = 30
 """Repetitions of a trial that are run, and stored, together."""

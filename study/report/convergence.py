@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from markupsafe import Markup
 
-from study.experiment.cases import Case
-from study.experiment.results import Result
-from study.experiment.summary import CURVE
+from study.analysis.featured import Featured
+from study.analysis.methods import CURVE
+from study.analysis.rows import Entry
+from study.cases.library import Case
 from study.problem import Floats
 from study.report import drawn, figures
-from study.report.featured import Featured
-from study.report.rows import Entry
+from study.store.results import Result
 
 SHOWN = 6
 POINTS = 240

@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
+from study.analysis.formatting import count, percent
 from study.problem import Problem
 from study.report.drawn import (
     BAND,
@@ -36,7 +37,6 @@ from study.report.drawn import (
     spaced_ticks,
 )
 from study.report.svg import themed
-from study.report.wording import count, percent
 
 NARROW = 500
 """Below so many pixels a label does not fit on one line."""

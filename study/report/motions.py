@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from study.experiment.cases import Case
+from study.analysis.rows import Entry
+from study.cases.library import Case
 from study.io.export import usual_rate, write_motion
 from study.io.filenames import file_stem
-from study.report.rows import Entry
 
 RATE = 50.0
 """Samples per second of motions of seconds and minutes, Hz; `study plan` writes any other rate, and the exact polynomials."""

@@ -10,24 +10,25 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
+from study.analysis import formatting as wording
+from study.analysis.causes import causes_of
+from study.analysis.featured import ROLE_NAMES, Featured, featured
+from study.analysis.glossary import glossary
+from study.analysis.ladder import Rung, ladder_of
+from study.analysis.methods import CURVE, FIXED_PATH, FREE_PATH
+from study.analysis.rows import MEANING, Entry, entries_of, known_times
+from study.analysis.sentences import answer, case_answer
+from study.cases.library import Case
+from study.cases.papers import paper_of
 from study.errors import StudyError
-from study.experiment.cases import Case
-from study.experiment.results import Result
-from study.experiment.summary import CURVE, FIXED_PATH, FREE_PATH
 from study.io.filenames import file_stem
 from study.judge import RATES, TOLERANCE
-from study.report import drawn, figures, wording
-from study.report.causes import causes_of
+from study.report import drawn, figures
 from study.report.convergence import convergence_of
-from study.report.featured import ROLE_NAMES, Featured, featured
-from study.report.glossary import glossary
-from study.report.ladder import Rung, ladder_of
 from study.report.motions import motion_files, write_motions
-from study.report.papers import paper_of
 from study.report.rendering import render
-from study.report.rows import MEANING, Entry, entries_of, known_times
-from study.report.sentences import answer, case_answer
 from study.report.tables import COLUMNS, Record, raw, result_record, write_tables
+from study.store.results import Result
 from study.trajectory import Motion
 
 TOO_LONG = 3.0

@@ -11,14 +11,14 @@ from pathlib import Path
 from markupsafe import escape
 from PIL import Image
 
+from study.analysis.featured import ROLE_NAMES, featured
+from study.analysis.ladder import ladder_of
+from study.analysis.rows import entries_of
+from study.cases.library import Case
 from study.errors import StudyError
-from study.experiment.cases import Case
-from study.experiment.results import Result
 from study.report import drawn, figures
-from study.report.featured import ROLE_NAMES, featured
-from study.report.ladder import ladder_of
 from study.report.page import ladder_figure, too_long
-from study.report.rows import entries_of
+from study.store.results import Result
 
 COLORS = 256
 """The viewer's picture is kept small with so many colours."""
@@ -50,7 +50,7 @@ def write_pictures(case: Case, results: Sequence[Result], joint: int, recording:
     StudyError
         If there is too little to show, the folder cannot be written or the viewer cannot draw here.
     """
-    from study.report.recording import picture  # here: rerun is slow to import
+    from study.recording import picture  # here: rerun is slow to import
 
     entries = entries_of(case, results)
     best = featured(entries)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from study.analysis.featured import ROLE_NAMES, Featured, featured
+from study.analysis.formatting import DASH, percent, seconds
+from study.analysis.rows import Entry, entries_of, lower_bound
+from study.analysis.sentences import answer
+from study.cases.library import Case
 from study.errors import StudyError
-from study.experiment.cases import Case
-from study.experiment.results import Result
-from study.report.featured import ROLE_NAMES, Featured, featured
-from study.report.rows import Entry, entries_of, lower_bound
-from study.report.sentences import answer
-from study.report.wording import DASH, percent, seconds
+from study.store.results import Result
 
 BEGIN, END = "<!-- answer -->", "<!-- /answer -->"
 COLUMNS = ("published", "search", "optimiser", "fixed", "free")

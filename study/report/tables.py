@@ -12,11 +12,11 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from study.experiment.cases import Case
-from study.experiment.lineup import QUICK_EVALUATIONS, TIME_LIMIT
+from study.analysis.formatting import DASH, bare_seconds, count, percent, share, wall
+from study.analysis.rows import Entry
+from study.cases.library import Case
 from study.judge import RATES
-from study.report.rows import Entry
-from study.report.wording import DASH, bare_seconds, count, percent, share, wall
+from study.runs.lineup import QUICK_EVALUATIONS, TIME_LIMIT
 
 Value = str | int | float | bool | None
 Record = dict[str, Value]

@@ -8,9 +8,9 @@ from functools import cache
 
 import numpy as np
 
-from study import forensics
-from study.experiment.published import Cell
-from study.forensics import Finding, Summary
+from study.cases.published import Cell
+from study.reproduction import forensics
+from study.reproduction.forensics import Finding, Summary
 from study.reproduction.rules import digits, half_unit
 from study.testfunctions import Benchmark
 

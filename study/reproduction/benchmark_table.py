@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from study.experiment.published import Cell, Table, tables
+from study.cases.published import Cell, Table, tables
 from study.reproduction import arithmetic, rules
 from study.reproduction.benchmark_runs import BenchmarkCell
 from study.reproduction.effort import Effort

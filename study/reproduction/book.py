@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import ModuleType
 
+from study.cases.published import claims, tables
 from study.errors import StudyError, unknown
-from study.experiment.published import claims, tables
 from study.reproduction.effort import Effort
 from study.reproduction.jobs import Job, Runs
 from study.reproduction.papers import aubo, puma, smwoa, sparrow, woodworking

@@ -9,8 +9,8 @@ from functools import cache
 
 import numpy as np
 
+from study.cases.published import Cell, Table, claims, tables
 from study.errors import StudyError
-from study.experiment.published import Cell, Table, claims, tables
 from study.problem import Floats
 from study.reproduction import rules
 from study.reproduction.jobs import Record

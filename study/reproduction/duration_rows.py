@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from study.experiment.cases import Case
-from study.experiment.published import Cell
-from study.forensics import wrong_sum
+from study.cases.library import Case
+from study.cases.published import Cell
 from study.problem import Floats
 from study.reproduction import rules
+from study.reproduction.forensics import wrong_sum
 from study.reproduction.motion_runs import Summary, judged
 from study.reproduction.rules import half_unit
 from study.reproduction.verdicts import Outcome, Ruling, strongest

@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from study.cases.library import load_case
 from study.curves import curve_named
-from study.experiment.cases import load_case
 from study.formulation import stretch
 from study.problem import Floats
 from study.reproduction.jobs import Record

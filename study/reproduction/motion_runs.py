@@ -7,14 +7,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from study.cases.library import Case, load_case
 from study.curves import curve_named
 from study.errors import StudyError
-from study.experiment.cases import Case, load_case
-from study.experiment.registry import planner_named
 from study.judge import Verdict, judge
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Plan, RunSettings
 from study.problem import Floats, Problem
+from study.registry import planner_named
 from study.reproduction.benchmark_runs import settled_at, thinned
 from study.reproduction.jobs import Record
 from study.search.loop import Search

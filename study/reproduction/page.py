@@ -10,10 +10,10 @@ from pathlib import Path
 
 from markupsafe import Markup
 
+from study.cases.ledger import ledger
+from study.cases.library import load_case
+from study.cases.published import Table, papers, tables
 from study.errors import StudyError
-from study.experiment.cases import load_case
-from study.experiment.ledger import ledger
-from study.experiment.published import Table, papers, tables
 from study.report import figures as report_figures
 from study.report.drawn import Series
 from study.report.rendering import render

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import stats
 
+from study.cases.published import parsed
 from study.errors import StudyError
-from study.experiment.published import parsed
 from study.reproduction.verdicts import Outcome, Ruling
 
 FACTOR = 10.0

@@ -7,8 +7,8 @@ from itertools import product
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from study.experiment.cases import load_case
-from study.experiment.published import Cell, Table, claims, parsed, tables
+from study.cases.library import load_case
+from study.cases.published import Cell, Table, claims, parsed, tables
 from study.planners.aubo import DYNAMIC_ADAPTIVE_PSO, DYNAMIC_ADAPTIVE_PSO_AS_PRINTED
 from study.reproduction import rules
 from study.reproduction.common import (

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from study.experiment.cases import load_case
-from study.experiment.published import Cell, Table, claims, parsed, tables
+from study.cases.library import load_case
+from study.cases.published import Cell, Table, claims, parsed, tables
 from study.planners.puma import CHAOTIC_SPSO, CHAOTIC_SPSO_AS_PRINTED
 from study.reproduction import rules
 from study.reproduction.benchmark_table import BenchmarkTable

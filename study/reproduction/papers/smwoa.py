@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy import stats
 
-from study.experiment.cases import load_case
-from study.experiment.published import Table, claims, tables
+from study.cases.library import load_case
+from study.cases.published import Table, claims, tables
 from study.planners import smwoa as planners
 from study.problem import Floats
 from study.reproduction import rules

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from study.experiment.cases import load_case
-from study.experiment.published import claims, tables
+from study.cases.library import load_case
+from study.cases.published import claims, tables
 from study.planners import sparrow as planners
 from study.reproduction import rules
 from study.reproduction.common import (

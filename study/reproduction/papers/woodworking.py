@@ -6,8 +6,8 @@ from itertools import product
 
 import numpy as np
 
-from study.experiment.cases import load_case
-from study.experiment.published import claims, tables
+from study.cases.library import load_case
+from study.cases.published import claims, tables
 from study.planners import woodworking as planners
 from study.reproduction import rules
 from study.reproduction.benchmark_table import BenchmarkTable

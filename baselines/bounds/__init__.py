@@ -1,0 +1,1 @@
+"""Lower bounds on the duration and certified optima."""

@@ -1,0 +1,1 @@
+"""Trajectory optimisation with the path between the waypoints free."""

@@ -1,0 +1,242 @@
+"""The free-path NLP: the best that any motion through the waypoints can do, from above.
+
+Nothing ties the motion to a curve family: every segment has a free duration and is cut into K equal pieces. A joint with a
+jerk limit has an acceleration that is linear in every piece, one with an acceleration limit only has a constant one, and
+one with a velocity limit only drives straight. The more pieces, the closer to the best of all motions.
+
+The solver is run again with its inner points moved to where velocity peaks, until nothing is above a limit; what is still
+above after the last round is removed by stretching the whole motion by its exact factor. The range of positions is left to
+the judge.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from baselines.closed_forms import rest_to_rest_time
+from baselines.free_path.transcription import Nodes, Transcription, Units, realise
+from study.curves import CURVES
+from study.deadline import noted
+from study.errors import StudyError
+from study.judge import judge
+from study.planning import Plan, RunSettings, Status
+from study.problem import EndCondition, Floats, Problem
+from study.trajectory import Motion, Trajectory
+
+ROUNDS = 5
+ENOUGH = 1e-7
+"""Excess over the limits, as a stretch, that ends the rounds."""
+
+ABSURD = 3.0
+"""A motion this many times as long as stopping at every waypoint shows that the solver went astray."""
+
+
+@dataclass(frozen=True, eq=False)
+class FreePath:
+    """What the NLP gave.
+
+    Attributes
+    ----------
+    motion : Trajectory
+        Exact, and stretched so that it keeps all limits of rates.
+    stretch : float
+        By how much, at least 1.
+    feasible : bool
+        The judge's word on the motion.
+    iterations : int
+        IPOPT iterations of all rounds.
+    converged : bool
+    message : str
+        IPOPT's word on its last round.
+    """
+
+    motion: Trajectory
+    stretch: float
+    feasible: bool
+    iterations: int
+    converged: bool
+    message: str
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """Feasible before infeasible, then by duration."""
+        return not self.feasible, self.motion.duration
+
+
+def stops_time(problem: Problem) -> float:
+    """Duration of the motion that stops at every waypoint, s."""
+    return float(rest_to_rest_time(np.diff(problem.waypoints, axis=0), problem.limits.rates).max(axis=1).sum())
+
+
+def spline_start(problem: Problem, pieces: int) -> Nodes:
+    """Start from the clamped cubic spline over the durations from stop to stop, stretched until it is feasible."""
+    steps = np.diff(problem.waypoints, axis=0)
+    durations = rest_to_rest_time(steps, problem.limits.rates).max(axis=1)
+    durations = np.maximum(durations, 1e-3 * durations.max())
+    motion = CURVES["cubic-spline"].motion(problem.waypoints, durations)
+    factor = _stretch(problem, motion)
+    return _sample(motion.scaled(factor), durations * factor, pieces)
+
+
+def stop_start(problem: Problem, pieces: int) -> Nodes:
+    """Start from stop to stop: parabolas of velocity over one and a half times the minimum durations."""
+    steps = np.diff(problem.waypoints, axis=0)
+    durations = 1.5 * rest_to_rest_time(steps, problem.limits.rates).max(axis=1)
+    durations = np.maximum(durations, 1e-3 * durations.max())
+    mean = steps / durations[:, None]
+    squares = 6 * mean / durations[:, None]
+    zero = np.zeros_like(mean)
+    bumps = np.stack([problem.waypoints[:-1], zero, squares / 2, -squares / durations[:, None] / 3], axis=1)
+    return _sample(Trajectory.from_pieces(durations, bumps), durations, pieces)
+
+
+def _sample(motion: Motion, durations: Floats, pieces: int) -> Nodes:
+    knots = np.append(0.0, np.cumsum(np.repeat(durations / pieces, pieces)))
+    return Nodes(durations, motion(knots, 1), motion(knots, 2))
+
+
+def _stretch(problem: Problem, motion: Motion) -> float:
+    """Exact factor by which a motion must be slowed down to keep all limits, at least 1."""
+    worst = judge(problem, motion).ratios.max(axis=1)
+    return float(max(1.0, worst[0], np.sqrt(worst[1]), np.cbrt(worst[2])))
+
+
+def improve(problem: Problem, transcription: Transcription, start: Nodes, deadline: float) -> FreePath:
+    """Solve from one start, round by round, and keep the best motion on the way.
+
+    Parameters
+    ----------
+    problem : Problem
+    transcription : Transcription
+    start : Nodes
+        In the problem's units.
+    deadline : float, s
+        On the clock of `time.monotonic`: no round begins after it.
+    """
+    units = transcription.units
+    nodes, peaks = units.into(start), transcription.middles
+    iterations, results = 0, []
+    for _ in range(ROUNDS):
+        nodes, stats = transcription.solve(nodes, peaks)
+        iterations += int(stats["iter_count"])
+        results.append(_finished(problem, units.back(nodes), bool(stats["success"]), str(stats["return_status"])))
+        if not stats["success"] or results[-1].stretch <= 1 + ENOUGH or noted(time.monotonic() > deadline):
+            break
+        peaks = transcription.moved(peaks, nodes)
+    return replace(min(results, key=lambda result: result.rank), iterations=iterations)
+
+
+def _finished(problem: Problem, nodes: Nodes, converged: bool, message: str) -> FreePath:
+    motion = realise(problem, nodes)
+    stretch = _stretch(problem, motion)
+    motion = motion.scaled(stretch)
+    return FreePath(motion, stretch, judge(problem, motion).feasible, 0, converged, message)
+
+
+def surplus(problem: Problem, pieces: int) -> int:
+    """Count unknowns of the NLP less its equations; below zero no motion with so few pieces meets them, but by luck.
+
+    Every segment has a duration. A joint whose acceleration is linear in every piece has two unknowns at every node, one
+    with constant accelerations one; per piece and per segment they must fit together, and the ends take some away.
+    """
+    units, n = Units.of(problem), problem.n_segments
+    ends = {EndCondition.FREE: 0, EndCondition.REST: 2, EndCondition.SMOOTH: 4}[problem.end]
+    cubic = n * (pieces - 1) + 2 - ends
+    quadratic = n * (pieces - 1) + 1 - min(ends, 2)
+    return n + len(units.cubic) * cubic + len(units.quadratic) * quadratic
+
+
+def free_path(problem: Problem, pieces: int = 8, time_limit: float = 60.0, deadline: float = np.inf) -> FreePath:
+    """Solve the free-path NLP from two starts and keep the faster motion.
+
+    Parameters
+    ----------
+    problem : Problem
+    pieces : int
+        Equal pieces per segment, K.
+    time_limit : float, s
+        For all of it, as near as the solver can keep it.
+    deadline : float, s
+        Of whoever asks, on the clock of `time.monotonic`: after it one start is enough.
+
+    Raises
+    ------
+    StudyError
+        If CasADi is missing, `pieces` is not positive or too few for the end condition, or no joint moves.
+    """
+    if pieces < 1:
+        raise StudyError(f"free-path NLP: pieces per segment must be at least 1, got {pieces}")
+    if not np.ptp(problem.waypoints, axis=0).any():
+        raise StudyError(f"case {problem.name!r}: all waypoints are equal, so there is nothing to move")
+    if not Units.of(problem).moving.size:
+        return _straight(problem)
+    if (lacking := -surplus(problem, pieces)) > 0:
+        raise StudyError(
+            f"free-path NLP: {pieces} pieces per segment leave {lacking} more equations than unknowns on case "
+            f"{problem.name!r}, so that no motion meets them; take more pieces"
+        )
+    end = time.monotonic() + time_limit
+    transcription = Transcription(problem, pieces, time_limit / 2)
+    found = [improve(problem, transcription, spline_start(problem, pieces), end)]
+    if not noted(time.monotonic() > deadline):
+        found.append(improve(problem, transcription, stop_start(problem, pieces), end))
+    return min(found, key=lambda result: result.rank)
+
+
+def _straight(problem: Problem) -> FreePath:
+    """Velocity limits only: the straight line at the velocity limit of the slowest joint is the optimum."""
+    durations = rest_to_rest_time(np.diff(problem.waypoints, axis=0), problem.limits.rates).max(axis=1)
+    moved = durations > 0
+    steps = np.diff(problem.waypoints, axis=0)[moved] / durations[moved, None]
+    lines = np.stack([problem.waypoints[:-1][moved], steps], axis=1)
+    motion = Trajectory.from_pieces(durations[moved], lines, moved.astype(int))
+    return FreePath(motion, 1.0, judge(problem, motion).feasible, 0, True, "closed form")
+
+
+@dataclass(frozen=True)
+class FreePathNlp:
+    """Planner `free-path-nlp`: no curve family, only waypoints and limits.
+
+    Parameters
+    ----------
+    pieces : int
+        Equal pieces per segment, K.
+    """
+
+    pieces: int = 8
+    stochastic: ClassVar[bool] = False
+    segment_times: ClassVar[bool] = False
+
+    def plan(self, problem: Problem, settings: RunSettings) -> Plan:
+        """Solve the NLP within the settings' time limit.
+
+        Raises
+        ------
+        StudyError
+            If CasADi is missing.
+        """
+        if not np.ptp(problem.waypoints, axis=0).any():
+            return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
+        try:
+            found = free_path(problem, self.pieces, settings.time_limit)
+        except StudyError as error:
+            return Plan(Status.FAILED, message=str(error))
+        if found.motion.duration > ABSURD * stops_time(problem):
+            return Plan(
+                Status.FAILED,
+                iterations=found.iterations,
+                message=f"the solver ended with a motion of {found.motion.duration:g} s; stopping at every waypoint is far faster",
+            )
+        if not found.feasible and not found.converged:
+            return Plan(Status.FAILED, iterations=found.iterations, message=f"IPOPT: {found.message}")
+        return Plan(
+            Status.FINISHED if found.converged else Status.NOT_CONVERGED,
+            motion=found.motion,
+            iterations=found.iterations,
+            message=f"IPOPT: {found.message}",
+            details={"stretch": found.stretch, "pieces": float(self.pieces)},
+        )

@@ -1,0 +1,1 @@
+"""Time parameterization along a fixed path."""

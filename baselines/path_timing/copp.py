@@ -1,0 +1,132 @@
+"""COPP: third-order path parameterization on TOPP-RA's path, by sequential cone programs; the extra `copp`.
+
+COPP's open core returns path speed and acceleration at stations. Between stations the motion here follows the quintic in
+time that meets both states; what this interpolation lets above a limit is removed by stretching by the exact factor.
+
+References
+----------
+Package copp-py (open core), solvers topp2_ra and topp3_socp.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import copp_py as copp
+import numpy as np
+
+from baselines.path_timing.toppra import Path, chord_path, grid
+from study import polynomial
+from study.judge import judge
+from study.planning import Plan, RunSettings, Status
+from study.problem import Floats, Problem
+from study.trajectory import Trajectory
+
+ROUNDS = 6
+"""Linearizations of the jerk limit: the first about TOPP-RA's profile, each next about the one before."""
+
+
+def stations_states(problem: Problem, path: Path, points: Floats) -> tuple[Floats, Floats]:
+    """Times and states at stations.
+
+    Parameters
+    ----------
+    problem : Problem
+    path : Path
+    points : array of shape (n_stations,)
+        Path parameters, with the knots among them.
+
+    Returns
+    -------
+    times : array of shape (n_stations,), s
+    states : array of shape (n_stations, 3)
+        Path parameter, speed and acceleration.
+    """
+    count = len(points)
+    robot = copp.Robot(problem.n_joints, capacity=count)
+    robot.append_s(points)
+    about = path.at(points) * np.array([1.0, 1.0, 2.0, 6.0])[:, None]
+    robot.set_q(
+        *(np.ascontiguousarray(about[:, order]) for order in range(3)), 0, dddq=np.ascontiguousarray(about[:, 3])
+    )
+    velocity, acceleration, jerk = problem.limits.rates
+    robot.add_velocity_limits(velocity, -velocity, start_idx_s=0, length=count)
+    robot.add_acceleration_limits(acceleration, -acceleration, start_idx_s=0, length=count)
+    second = copp.solver.topp2_ra
+    reference = second.solve(
+        second.Problem(robot.constraints, idx_s_interval=(0, count - 1), a_boundary=(0.0, 0.0)), second.Options()
+    )
+    robot.add_jerk_limits(jerk, -jerk, start_idx_s=0, length=count)
+    third = copp.solver.topp3_socp
+    profile = third.solve(third.Problem(robot.constraints, reference))
+    for _ in range(ROUNDS - 1):
+        profile = third.solve(third.Problem(robot.constraints, np.asarray(profile.a)))
+    _, times = copp.interpolation.s_to_t_topp3(points, profile)
+    return np.asarray(times), np.stack([points, np.sqrt(np.maximum(profile.a, 0.0)), profile.b], axis=1)
+
+
+def driven(path: Path, times: Floats, states: Floats, marks: Floats) -> Trajectory:
+    """Drive a path through states at stations, quintic in time between them: exact, degree 15.
+
+    Parameters
+    ----------
+    path : Path
+    times : array of shape (n_stations,), s
+    states : array of shape (n_stations, 3)
+    marks : int array of shape (n_segments,)
+        Stations per segment.
+    """
+    h = np.diff(times)
+    (s0, v0, a0), (s1, v1, a1) = states[:-1].T, states[1:].T
+    v0, v1, a0, a1, d = v0 * h, v1 * h, a0 * h**2, a1 * h**2, s1 - s0
+    unit = np.stack(
+        [
+            np.zeros_like(d),
+            v0,
+            a0 / 2,
+            10 * d - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1,
+            -15 * d + 8 * v0 + 7 * v1 + 1.5 * a0 - a1,
+            6 * d - 3 * (v0 + v1) - 0.5 * (a0 - a1),
+        ],
+        axis=1,
+    )[:, None, :]
+    cubic = np.moveaxis(path.at(states[:-1, 0]), 1, 2)
+    result = cubic[..., 3:]
+    for power in (2, 1, 0):
+        result = polynomial.product(result, unit)
+        result[..., 0] += cubic[..., power]
+    powers = h[:, None] ** np.arange(result.shape[-1])
+    return Trajectory.from_pieces(h, np.moveaxis(result / powers[:, None], 1, 2), marks)
+
+
+@dataclass(frozen=True)
+class Copp:
+    """Planner `copp`: the chord path from path rest to path rest under velocity, acceleration and jerk limits.
+
+    Parameters
+    ----------
+    per_segment : int
+        Stations per segment.
+    """
+
+    per_segment: int = 20
+    stochastic: ClassVar[bool] = False
+    segment_times: ClassVar[bool] = False
+
+    def plan(self, problem: Problem, settings: RunSettings) -> Plan:
+        """Parameterize the path; the settings do not matter."""
+        if not np.isfinite(problem.limits.rates).all():
+            return Plan(
+                Status.NOT_APPLICABLE, message="COPP's third order needs velocity, acceleration and jerk limits"
+            )
+        path = chord_path(problem.waypoints, problem.limits)
+        points = grid(path, self.per_segment)
+        try:
+            times, states = stations_states(problem, path, points)
+        except copp.CoppError as error:
+            return Plan(Status.FAILED, message=f"COPP stopped: {error}")
+        motion = driven(path, times, states, np.full(problem.n_segments, self.per_segment))
+        ratios = judge(problem, motion).ratios.max(axis=1)
+        stretch = max(1.0, float((ratios ** (1.0 / np.arange(1, 4))).max()))
+        return Plan(Status.FINISHED, motion=motion.scaled(stretch), details={"stretch": stretch})

@@ -1,0 +1,1 @@
+"""Nonlinear programs over segment durations on a given curve family."""

@@ -1,0 +1,171 @@
+"""CasADi models of the curve families: symbolic rows, the IPOPT solvers built from them, and their numeric side.
+
+Everything is scaled: times by `Scales.time`, every joint's positions by its range, rates by their limits. A row of the
+model is a rate over its limit at one point of one piece, so every row lies in [-1, 1]. The points are parameters; a model is
+built once for each family and shape and serves every problem and every exchange round.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+
+from baselines.segment_times.critical_points import Critical, Slots
+from study.errors import StudyError
+from study.problem import Floats, Problem
+
+ca: Any = None
+with suppress(ImportError):  # said clearly by `require_casadi`, when it is needed
+    import casadi
+
+    ca = casadi
+
+
+@dataclass(frozen=True, eq=False)
+class Scales:
+    """Units of a scaled problem: one time, s, and one length for every joint, rad or m."""
+
+    time: float
+    position: Floats
+
+    @classmethod
+    def of(cls, problem: Problem, durations: Floats) -> Scales:
+        """Take the mean duration and the largest step of every joint."""
+        steps = np.abs(np.diff(problem.waypoints, axis=0)).max(axis=0)
+        return cls(float(durations.mean()), np.where(steps > 0, steps, 1.0))
+
+    def weights(self, problem: Problem) -> Floats:
+        """Scaled rate times this is the rate over its limit, shape (3, n_joints); 0 where there is no limit."""
+        return self.position / problem.limits.rates / self.time ** np.arange(1, 4)[:, None]
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Symbolic side of a model: variables, parameters, the sum of durations and the rows.
+
+    The first `equal` rows are equations, the next `limited` ones limits without a point, the rest belong to the slots,
+    order by order. Where the model is proximal its last parameters are the variables that the solve starts from.
+    """
+
+    x: Any
+    p: Any
+    total: Any
+    g: Any
+    equal: int
+    proximal: bool = False
+
+
+class Family(Protocol):
+    """One curve family for one shape of problem."""
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """What the model depends on."""
+
+    @property
+    def pooled(self) -> bool:
+        """Whether a slot serves the peaks of any joint."""
+
+    @property
+    def slot_shapes(self) -> dict[int, tuple[int, int, int]]:
+        """Shape of the slots of every limited order that needs points."""
+
+    def rows(self) -> Rows:
+        """Build the symbolic model."""
+
+    def lift(self, problem: Problem, durations: Floats, scales: Scales) -> Floats:
+        """Variables of given durations."""
+
+    def durations(self, x: Floats, scales: Scales) -> Floats:
+        """Durations of given variables, s."""
+
+    def variable_bounds(self, problem: Problem, scales: Scales) -> tuple[Floats, Floats]:
+        """Box of the variables, with no duration below the shortest."""
+
+    def row_bounds(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> tuple[Floats, Floats]:
+        """Lower and upper bound of every row; a free slot has none."""
+
+    def parameters(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> Floats:
+        """Values of the parameters."""
+
+    def critical(self, problem: Problem, x: Floats, scales: Scales, order: int) -> Critical:
+        """Points to offer to the slots of an order."""
+
+
+OPTIONS = {
+    "print_level": 0,
+    "sb": "yes",
+    "linear_solver": "mumps",
+    "mumps_mem_percent": 100,
+    "tol": 1e-10,
+    "constr_viol_tol": 1e-10,
+    "dual_inf_tol": 1e-6,
+    "compl_inf_tol": 1e-8,
+    "acceptable_iter": 0,
+    "bound_relax_factor": 0.0,
+    "max_iter": 300,
+    "honor_original_bounds": "no",
+}
+COLD = {"mu_strategy": "adaptive"}
+WARM = {
+    "warm_start_init_point": "yes",
+    "mu_init": 1e-6,
+    "warm_start_bound_push": 1e-8,
+    "warm_start_bound_frac": 1e-8,
+    "warm_start_slack_bound_push": 1e-8,
+    "warm_start_slack_bound_frac": 1e-8,
+    "warm_start_mult_bound_push": 1e-8,
+}
+
+
+class Model:
+    """IPOPT solvers of one family and shape.
+
+    Raises
+    ------
+    StudyError
+        If CasADi is not installed.
+    """
+
+    def __init__(self, family: Family, time_limit: float) -> None:
+        require_casadi()
+        self.rows = family.rows()
+        self._limit = {"max_wall_time": time_limit}
+        self._problem = {"x": self.rows.x, "p": self.rows.p, "f": self.rows.total, "g": self.rows.g}
+
+    @cached_property
+    def cold(self) -> Any:
+        """Solver for a start from durations alone."""
+        return self._solver(COLD)
+
+    @cached_property
+    def warm(self) -> Any:
+        """Solver for a start from a solution with its multipliers."""
+        return self._solver(WARM)
+
+    def _solver(self, more: dict[str, Any]) -> Any:
+        ipopt = OPTIONS | self._limit | more
+        return ca.nlpsol(
+            "segment_times", "ipopt", self._problem, {"ipopt": ipopt, "print_time": False, "error_on_fail": False}
+        )
+
+
+def require_casadi() -> None:
+    """Say clearly that CasADi is missing."""
+    if ca is None:
+        raise StudyError("the NLP baselines need the package casadi, which is not installed; run: pip install casadi")
+
+
+_MODELS: dict[tuple[Any, ...], Model] = {}
+
+
+def model_of(family: Family, time_limit: float) -> Model:
+    """Build a family's model, or take the one built before."""
+    key = (*family.key, time_limit)
+    if key not in _MODELS:
+        _MODELS[key] = Model(family, time_limit)
+    return _MODELS[key]

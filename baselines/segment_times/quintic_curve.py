@@ -1,0 +1,146 @@
+"""Quintic segments with free velocities and accelerations at the waypoints, transcribed for CasADi.
+
+Every cubic spline and the 3-5-3 curve are such motions: two derivatives are continuous and no segment needs a higher power.
+Only their end conditions matter: a clamped spline has an acceleration at its ends, so it is one where that is free.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from baselines.segment_times.critical_points import Critical, Slots, polynomial_critical
+from baselines.segment_times.model import Rows, Scales, ca
+from baselines.segment_times.polynomial_curves import (
+    flat,
+    hermite_quintic,
+    rate_rows,
+    shortest_of,
+    slot_bounds,
+    slot_symbols,
+    slot_values,
+    stacked,
+)
+from study.curves import curve_named
+from study.problem import EndCondition, Floats, Problem
+from study.trajectory import Motion, Trajectory
+
+HERMITE = np.array(
+    [
+        [1, 0, 0, 0, 0, 0],
+        [0, 1, 0, 0, 0, 0],
+        [0, 0, 0.5, 0, 0, 0],
+        [-10, -6, -1.5, 10, -4, 0.5],
+        [15, 8, 1.5, -15, 7, -1],
+        [-6, -3, -0.5, 6, -3, 0.5],
+    ]
+)
+"""Ascending unit coefficients from position, velocity and acceleration at the start, then at the end."""
+
+
+FIRST_POINTS = {1: (0.25, 0.5, 0.75), 2: (1 / 3, 2 / 3), 3: (0.0, 0.5, 1.0)}
+"""With the bounds at the waypoints enough points to fix each rate's polynomial, so that a first solve cannot stray far."""
+
+
+PULL = 1e-4
+"""Weight on the distance to the last round's rates: joints with time to spare would wander, and break limits elsewhere.
+
+The pull is towards the round before, so it is nothing where the rounds have come to rest.
+"""
+
+
+@dataclass(frozen=True)
+class Quintic:
+    """Durations, and velocity and acceleration of every joint at every waypoint; those limits are bounds there."""
+
+    n_waypoints: int
+    n_joints: int
+    orders: tuple[int, ...]
+    pooled: ClassVar[bool] = False
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """What the model depends on."""
+        return ("quintic", self.n_waypoints, self.n_joints, self.orders)
+
+    @property
+    def slot_shapes(self) -> dict[int, tuple[int, int, int]]:
+        """The first points of every segment, and three for its peaks."""
+        return {order: (self.n_waypoints - 1, self.n_joints, len(FIRST_POINTS[order]) + 3) for order in self.orders}
+
+    def rows(self) -> Rows:
+        """Build the symbolic model."""
+        n, joints = self.n_waypoints - 1, self.n_joints
+        h, v, a = ca.SX.sym("h", n), ca.SX.sym("v", n + 1, joints), ca.SX.sym("a", n + 1, joints)
+        d, weights, u = ca.SX.sym("d", n, joints), ca.SX.sym("w", 3, joints), slot_symbols(self.slot_shapes)
+        wide = ca.repmat(h, 1, joints)
+        speeds, bends = (v[:-1, :] * wide, v[1:, :] * wide), (a[:-1, :] * wide**2, a[1:, :] * wide**2)
+        pieces = hermite_quintic(d, *speeds, *bends)
+        rows = [r for k in self.orders for r in rate_rows(pieces, h, weights[k - 1, :], k, u[k])]
+        x = ca.vertcat(h, ca.vec(v), ca.vec(a))
+        start = ca.SX.sym("start", *x.shape)
+        p = ca.vertcat(ca.vec(d), ca.vec(weights), *stacked(u), start)
+        total = ca.sum1(h) + PULL * ca.sumsqr(x[n:] - start[n:])
+        return Rows(x, p, total, ca.vertcat(*rows), equal=0, proximal=True)
+
+    def lift(self, problem: Problem, durations: Floats, scales: Scales) -> Floats:
+        """Rates at the waypoints of the clamped cubic spline with these durations."""
+        return self.lift_motion(curve_named("cubic-spline").motion(problem.waypoints, durations), problem, scales)
+
+    def lift_motion(self, motion: Motion, problem: Problem, scales: Scales) -> Floats:
+        """Rates of a motion at the waypoints, as far as the end condition allows them."""
+        times = motion.waypoint_times
+        unit = scales.time ** np.array([1, 2])[:, None, None] / scales.position
+        rates = np.array([motion(times, 1), motion(times, 2)]) * unit
+        held = _held(problem)
+        rates[held, 0] = rates[held, -1] = 0.0
+        return np.concatenate([np.diff(times) / scales.time, flat(rates[0]), flat(rates[1])])
+
+    def durations(self, x: Floats, scales: Scales) -> Floats:
+        """Durations of given variables, s."""
+        return x[: self.n_waypoints - 1] * scales.time
+
+    def motion(self, problem: Problem, x: Floats, scales: Scales) -> Trajectory:
+        """Motion of given variables."""
+        n, h = self.n_waypoints, self.durations(x, scales)
+        speed, bend = np.moveaxis(x[n - 1 :].reshape(2, self.n_joints, n), 2, 1) * scales.position
+        wide = x[: n - 1, None]
+        start = [problem.waypoints[:-1], speed[:-1] * wide, bend[:-1] * wide**2]
+        stop = [problem.waypoints[1:], speed[1:] * wide, bend[1:] * wide**2]
+        unit = np.einsum("ck,kpj->pcj", HERMITE, np.array(start + stop))
+        return Trajectory.from_pieces(h, unit / (h[:, None] ** np.arange(6))[:, :, None])
+
+    def variable_bounds(self, problem: Problem, scales: Scales) -> tuple[Floats, Floats]:
+        """Shortest durations, and at the waypoints the limits and the end condition."""
+        with np.errstate(divide="ignore"):
+            peaks = np.repeat(1 / scales.weights(problem)[:2, None, :], self.n_waypoints, axis=1)
+        held = _held(problem)
+        peaks[held, 0] = peaks[held, -1] = 0.0
+        lower = np.full(self.n_waypoints - 1, shortest_of(problem) / scales.time)
+        rates = np.concatenate([flat(peaks[0]), flat(peaks[1])])
+        return np.concatenate([lower, -rates]), np.concatenate([np.full_like(lower, np.inf), rates])
+
+    def row_bounds(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> tuple[Floats, Floats]:
+        """Every row in [-1, 1]."""
+        upper = np.concatenate(slot_bounds(slots, problem.limits.rates))
+        return -upper, upper
+
+    def parameters(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> Floats:
+        """Steps, weights and points."""
+        steps = np.diff(problem.waypoints, axis=0) / scales.position
+        return np.concatenate([flat(steps), flat(scales.weights(problem)), *slot_values(slots)])
+
+    def critical(self, problem: Problem, x: Floats, scales: Scales, order: int) -> Critical:
+        """Critical points of every segment."""
+        found = polynomial_critical(problem, self.motion(problem, x, scales), order)
+        if order == 3:
+            return found
+        inside = (found.points > 0) & (found.points < 1)  # at the ends the limit is a bound already
+        return Critical(found.points, np.where(inside, found.ratios, 0.0), found.bends)
+
+
+def _held(problem: Problem) -> list[int]:
+    """Which rates are zero at both ends: 0 for velocity, 1 for acceleration."""
+    return {EndCondition.FREE: [], EndCondition.REST: [0], EndCondition.SMOOTH: [0, 1]}[problem.end]

@@ -1,0 +1,1 @@
+"""Chains of minimum-time moves between states, by Ruckig."""

@@ -1,0 +1,244 @@
+"""From a file about one's own robot to a case: names, units and limits put together from all the files that it names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from study.cases.own_file import OwnCase, OwnLimits
+from study.cases.paper_file import SI
+from study.datafiles import checked
+from study.errors import StudyError, plural
+from study.io.limits import OneJoint, read_limits
+from study.io.rows import WaypointRows, read_rows
+from study.planning import usual_curve
+from study.problem import FROM_LIMITS, EndCondition, Floats, JointLimits, Problem
+from study.robots import robot_named
+
+_RATES = ("velocity", "acceleration", "jerk")
+UNIT_IN_NAME = re.compile(rf"[\[(]({'|'.join(SI)})[\])]\s*$")
+"""How a column's name gives its unit, as in `elbow [deg]`."""
+
+
+@dataclass(frozen=True, eq=False)
+class OwnParts:
+    """What a file of one's own comes to.
+
+    Attributes
+    ----------
+    problem : Problem
+    units : tuple of str
+        `rad` or `m` for each joint.
+    curve : str
+    title : str
+    robot : str, optional
+        Name of one of the study's arms, or the path of a file.
+    obstacles : array of shape (n, 2, 3), m
+    arm_radius : float, m
+    notes : tuple of str
+    sources : mapping of str to str
+        Field: the file its numbers come from.
+    """
+
+    problem: Problem
+    units: tuple[str, ...]
+    curve: str
+    title: str
+    robot: str | None
+    obstacles: Floats
+    arm_radius: float
+    notes: tuple[str, ...]
+    sources: Mapping[str, str]
+
+
+def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
+    """Put a case of one's own together.
+
+    Parameters
+    ----------
+    content : mapping
+        What the file says, as `study.cases.own_file.OwnCase` describes it.
+    path : Path
+        Of the file; names of other files are looked up beside it.
+
+    Raises
+    ------
+    StudyError
+        If a field is missing, unknown or impossible, or a file that it names is.
+    """
+    where = f"file {path.name!r}"
+    file = checked(OwnCase, content, where)
+    rows = read_rows(path.parent / file.waypoints) if isinstance(file.waypoints, str) else None
+    limit_files = [file.limits.files] if isinstance(file.limits.files, str) else file.limits.files
+    read = _merged([read_limits(path.parent / name) for name in limit_files])
+    names = _names(file, rows, read, where)
+    table = _columns(rows, names, where) if rows else np.array(_rectangle(file.waypoints, where), dtype=float)
+    if len(table) == 1:
+        raise StudyError(f"{where}: there is only one waypoint; a motion needs at least two")
+    units = _units(file, rows, read, names, table.shape[1], where)
+    factors = np.array([SI[unit][1] for unit in units])
+    problem = Problem(
+        name=file.name or path.stem,
+        waypoints=table if rows and rows.si else table * factors,
+        limits=_limits(file.limits, [read.get(name, OneJoint()) for name in names], factors, where),
+        end=_end(file, read),
+        duration_bounds=_duration_bounds(file),
+        joint_names=names,
+    )
+    robot = _robot(file.robot, path, problem)
+    if file.obstacles and robot is None:
+        raise StudyError(f"{where}: obstacles need a robot to know where the arm is; name one under 'robot'")
+    return OwnParts(
+        problem=problem,
+        units=tuple(SI[unit][0] for unit in units),
+        curve=file.curve or usual_curve(problem),
+        title=file.title or f"{plural(problem.n_joints, 'joint')} through {problem.n_waypoints} waypoints",
+        robot=robot,
+        obstacles=np.array([[box.lower, box.upper] for box in file.obstacles], dtype=float).reshape(-1, 2, 3),
+        arm_radius=file.arm_radius,
+        notes=tuple(file.notes),
+        sources={
+            "waypoints": str(file.waypoints) if rows else path.name,
+            "limits": ", ".join(limit_files) or path.name,
+        },
+    )
+
+
+def _duration_bounds(file: OwnCase) -> tuple[float, float]:
+    bounds = file.duration_bounds
+    return (bounds.lower, bounds.upper) if bounds else FROM_LIMITS
+
+
+def bare_content(path: Path, units: str | None, limits: Sequence[Path]) -> dict[str, Any]:
+    """What a case file would say about a file of waypoints alone, with limits from other files."""
+    if not limits:
+        raise StudyError(
+            f"file {path.name!r} holds waypoints only; add --limits with a joint_limits.yaml or a URDF, or write a case "
+            "file, see `study init`"
+        )
+    content: dict[str, Any] = {"waypoints": path.name, "limits": {"from": [str(file.resolve()) for file in limits]}}
+    return content if units is None else content | {"units": units}
+
+
+def _merged(files: Sequence[Mapping[str, OneJoint]]) -> dict[str, OneJoint]:
+    result: dict[str, OneJoint] = {}
+    for file in files:
+        for name, joint in file.items():
+            result[name] = joint.over(result.get(name, OneJoint()))
+    return result
+
+
+def _rectangle(rows: Any, where: str) -> list[list[float]]:
+    width = len(rows[0]) if rows else 0
+    for number, row in enumerate(rows, start=1):
+        if len(row) != width:
+            raise StudyError(f"{where}: waypoint {number} has {plural(len(row), 'number')}, the first has {width}")
+    if not width:
+        raise StudyError(f"{where}: there are no waypoints; give at least two, one row for each")
+    return list(rows)
+
+
+def _names(file: OwnCase, rows: WaypointRows | None, read: Mapping[str, OneJoint], where: str) -> tuple[str, ...]:
+    """Names of the joints: the case's own, else the waypoint file's, else those of the limits if their number fits."""
+    width = rows.values.shape[1] if rows else len(file.waypoints[0]) if file.waypoints else 0
+    names = tuple(file.joints or (rows.names if rows else ()) or (read if len(read) == width else ()))
+    if not names and read:
+        raise StudyError(
+            f"{where}: the limits name {len(read)} joints ({', '.join(read)}), the waypoints have {width} columns without "
+            "names; list the columns' names under 'joints'"
+        )
+    if names and not (rows and rows.names) and len(names) != width:
+        raise StudyError(
+            f"{where}: {plural(len(names), 'joint name')} for {plural(width, 'column')} of waypoints; name every column"
+        )
+    if len(set(names)) != len(names):
+        raise StudyError(f"{where}: two joints have the same name: {', '.join(names)}; rename one")
+    absent = [name for name in names if name not in read] if read else []
+    if absent and not file.limits.velocity and not file.limits.acceleration and not file.limits.jerk:
+        raise StudyError(f"{where}: no limits for joint {absent[0]!r}; the files of limits know {', '.join(read)}")
+    return names or tuple(f"joint {k + 1}" for k in range(width))
+
+
+def _columns(rows: WaypointRows, names: tuple[str, ...], where: str) -> Floats:
+    """Columns in the order of the joints; a file without names must have one column for each joint."""
+    if rows.names and set(names) <= set(rows.names):
+        return rows.values[:, [rows.names.index(name) for name in names]]
+    if rows.names:
+        missing = next(name for name in names if name not in rows.names)
+        raise StudyError(f"{where}: the waypoints' columns are {', '.join(rows.names)}; there is none for {missing!r}")
+    if rows.values.shape[1] != len(names):
+        raise StudyError(f"{where}: the waypoints have {rows.values.shape[1]} columns for {len(names)} joints")
+    return rows.values
+
+
+def _units(
+    file: OwnCase, rows: WaypointRows | None, read: Mapping[str, OneJoint], names: Sequence[str], width: int, where: str
+) -> list[Any]:
+    if file.units is None:
+        own = any(getattr(file.limits, field) is not None for field in (*_RATES, "position"))
+        if own or rows is None or not rows.si:
+            raise StudyError(f"{where}: field 'units' is missing; state rad or deg, or m or mm for joints that slide")
+        return ["m" if name in read and read[name].sliding else "rad" for name in names]
+    units = [file.units] * width if isinstance(file.units, str) else file.units
+    if len(units) != width:
+        raise StudyError(
+            f"{where}: {plural(len(units), 'unit')} for {plural(width, 'joint')}; give one for all or one for each"
+        )
+    for name, unit in zip(names, units, strict=False):
+        said = UNIT_IN_NAME.search(name)
+        if said and said[1] != unit:
+            raise StudyError(f"{where}: column {name!r} is in {said[1]}, but 'units' says {unit}; make the two agree")
+        sliding = read[name].sliding if name in read else None
+        if sliding is not None and sliding != (SI[unit][0] == "m"):
+            kind = "slides, so its unit is m or mm" if sliding else "turns, so its unit is rad or deg"
+            raise StudyError(f"{where}: joint {name!r} {kind}, got {unit}; give a list of units, one for each joint")
+    return units
+
+
+def _limits(own: OwnLimits, read: Sequence[OneJoint], factors: Floats, where: str) -> JointLimits:
+    rates = {name: _laid_over(getattr(own, name), name, read, factors, where) for name in _RATES}
+    span = (own.position.lower, own.position.upper) if own.position else (None, None)
+    ends = [_laid_over(given, name, read, factors, where) for given, name in zip(span, ("lower", "upper"), strict=True)]
+    try:
+        return JointLimits(**rates, lower=ends[0], upper=ends[1])
+    except StudyError as error:
+        raise StudyError(f"{where}: {error}") from None
+
+
+def _laid_over(given: Any, name: str, read: Sequence[OneJoint], factors: Floats, where: str) -> Floats:
+    """One number per joint: the case's own, in its units, else the file's, else none."""
+    nothing = -np.inf if name == "lower" else np.inf
+    values = given if isinstance(given, list) else [given] * len(read)
+    if len(values) != len(read):
+        raise StudyError(
+            f"{where}: {plural(len(values), f'{name} limit')} for {plural(len(read), 'joint')}; give one for all or one for each"
+        )
+    said = [getattr(joint, name) for joint in read]
+    chosen = zip(values, said, factors, strict=True)
+    return np.array([own * k if own is not None else nothing if old is None else old for own, old, k in chosen])
+
+
+def _end(file: OwnCase, read: Mapping[str, OneJoint]) -> EndCondition:
+    if file.end is not None:
+        return EndCondition[file.end.upper()]
+    jerky = file.limits.jerk is not None or any(joint.jerk is not None for joint in read.values())
+    return EndCondition.SMOOTH if jerky else EndCondition.REST
+
+
+def _robot(name: str | None, path: Path, problem: Problem) -> str | None:
+    """One of the study's arms, or the path of a file beside the case's; the arm must have the problem's joints."""
+    if name is None:
+        return None
+    found = str((path.parent / name).resolve()) if Path(name).suffix else name
+    arm = robot_named(found, tuple(problem.joint_names))
+    if arm.n_joints != problem.n_joints:
+        raise StudyError(
+            f"file {path.name!r}: robot {arm.name!r} has {arm.n_joints} moving joints, the waypoints have {problem.n_joints}; "
+            "name the moving ones under 'joints', as the robot's file does"
+        )
+    return found

@@ -1,0 +1,1 @@
+"""The command `study` and its tables in the terminal."""

@@ -1,0 +1,52 @@
+"""The command that makes the pictures of the README from real results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from study.cases.library import load_case
+from study.cli.run import DEFAULT_OUT, STORE_NAME, Out, make_console, recording_file
+from study.errors import StudyError
+from study.store.store import Store, remembered_lineup
+
+
+def pictures(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Where the pictures go.")],
+    case: Annotated[str, typer.Option(help="Case of the pictures.")] = "woodworking",
+    joint: Annotated[int, typer.Option(help="Joint whose profiles are shown, counted from 1.", min=1)] = 1,
+    readme: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Also put the answer for all cases between the marks `<!-- answer -->` of this file."
+        ),
+    ] = None,
+    out: Out = DEFAULT_OUT,
+) -> None:
+    """Draw pictures of stored results: the ladder, one joint's profiles and the viewer's first look."""
+    cells, sources = remembered_lineup(out / STORE_NAME)
+    if case not in sources:
+        raise StudyError(f"the last run in {out} was not of case {case!r}; it was of {', '.join(sources)}")
+    cases = {name: load_case(source) for name, source in sources.items()}
+    loaded = cases[case]
+    if joint > loaded.problem.n_joints:
+        raise StudyError(f"case {case!r} has {loaded.problem.n_joints} joints, got joint {joint}")
+    with Store(out / STORE_NAME, cases, write=False) as store:
+        results = store.results(cells)
+    from study.recording import record_case
+    from study.report.pictures import write_pictures  # here: matplotlib and rerun are slow to import
+    from study.report.readme import answer_in_markdown, put_answer
+
+    if readme is not None:
+        put_answer(readme, answer_in_markdown(cases, results))
+    own = [one for one in results if one.cell.case == case]
+    recording = record_case(loaded, own, recording_file(out, case))
+    for path in write_pictures(loaded, own, joint - 1, recording, folder):
+        make_console().print(str(path), soft_wrap=True)
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(pictures)

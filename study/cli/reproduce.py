@@ -1,0 +1,151 @@
+"""What `study reproduce` does: run, rule, write pages, and compare with the committed verdicts."""
+
+from __future__ import annotations
+
+import csv
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from study.cli.terminal import progress
+from study.datafiles import data_folder
+from study.errors import StudyError
+from study.reproduction.book import MODULES, SHORT, Entry, entries_of, jobs_of, paper_named
+from study.reproduction.effort import FULL, QUICK, Effort
+from study.reproduction.jobs import Job, Runs, run_all
+from study.reproduction.page import write_index, write_paper
+from study.reproduction.verdicts import CLAIM, Outcome
+from study.runs.environment import environment
+
+COMMITTED = ("paper", "place", "row", "column", "printed", "verdict")
+Key = tuple[str, str, str, str]
+
+
+def reproduce(
+    papers: Sequence[str], effort: Effort, out: Path, jobs: int | None, console: Console
+) -> dict[str, tuple[Entry, ...]]:
+    """Run what is missing, rule, and write the pages.
+
+    Parameters
+    ----------
+    papers : sequence of str
+        Keys of the papers.
+    effort : Effort
+    out : Path
+        Its folders `reproduction-cache` and `report/reproduction` are written.
+    jobs : int, optional
+        Worker processes; all processors by default.
+    console : Console
+
+    Returns
+    -------
+    dict of str to tuple of Entry
+        Everything that the papers print, with its ruling.
+    """
+    begun = time.perf_counter()
+    runs = _run(jobs_of(papers, effort), out / "reproduction-cache", jobs, console)
+    entries = {paper: entries_of(paper, runs, effort) for paper in papers}
+    pages = out / "report" / "reproduction"
+    facts = {**environment(), "effort": effort.label}
+    with console.status("writing the pages"):
+        for paper, found in entries.items():
+            write_paper(paper, found, runs, effort, pages, facts)
+        index = write_index(entries, effort, pages, facts)
+    console.print(f"pages: {index}", f"{time.perf_counter() - begun:.0f} s", sep="\n", soft_wrap=True)
+    return entries
+
+
+def _run(wanted: list[Job], cache: Path, workers: int | None, console: Console) -> Runs:
+    with progress(console) as shown:
+        task = shown.add_task("reproducing", total=len(set(wanted)))
+        runs = run_all(
+            wanted, cache, workers, lambda job: shown.update(task, advance=1, description=type(job).__name__)
+        )
+        shown.update(task, description="finished")
+    return runs
+
+
+def committed_path() -> Path:
+    """Where the verdicts of a full run are kept under version control."""
+    return data_folder() / "verdicts.csv"
+
+
+def key_of(entry: Entry) -> Key:
+    """What names an entry in the committed table."""
+    place = entry.section if entry.place.table == CLAIM else entry.place.table
+    return entry.paper, place, entry.place.row, entry.place.column
+
+
+def write_committed(entries: Sequence[Entry], path: Path) -> None:
+    """Write the table of verdicts, one line for each printed number."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COMMITTED)
+        for entry in entries:
+            writer.writerow([*key_of(entry), entry.printed, entry.ruling.outcome.value])
+
+
+def read_committed(path: Path) -> dict[Key, str]:
+    """Read the table of verdicts.
+
+    Raises
+    ------
+    StudyError
+        If there is none.
+    """
+    if not path.is_file():
+        raise StudyError(
+            f"there is no table of verdicts at {str(path)!r}; write it with `study reproduce --all --commit`"
+        )
+    with path.open(encoding="utf-8", newline="") as file:
+        return {(r["paper"], r["place"], r["row"], r["column"]): r["verdict"] for r in csv.DictReader(file)}
+
+
+def changes(entries: Sequence[Entry], committed: dict[Key, str]) -> list[str]:
+    """Say which verdicts differ from the committed ones, entry by entry."""
+    found = []
+    for entry in entries:
+        before, now = committed.get(key_of(entry)), entry.ruling.outcome.value
+        if before != now:
+            name = " / ".join(filter(None, key_of(entry)))
+            found.append(
+                f"{name}: {before or 'not there'} -> {now} (printed {entry.printed or '–'}, ours {entry.ruling.ours or '–'})"
+            )
+    return found
+
+
+def tally(entries: Sequence[Entry]) -> str:
+    """Count verdicts in one line."""
+    outcomes = [entry.ruling.outcome for entry in entries]
+    return ", ".join(f"{outcomes.count(outcome)} {outcome.value}" for outcome in Outcome if outcome in outcomes)
+
+
+def reproduce_command(
+    paper: str | None, everything: bool, quick: bool, out: Path, workers: int | None, commit: bool, console: Console
+) -> None:
+    """Check the options, reproduce, and say what differs from the committed verdicts.
+
+    Raises
+    ------
+    StudyError
+        If neither or both of a paper and all papers are asked for, or the table is to be written from less than a full run.
+    """
+    if (paper is None) != everything:
+        raise StudyError(
+            f"name one paper ({', '.join(SHORT)}) or give --all, not {'both' if everything else 'neither'}"
+        )
+    if commit and (quick or not everything):
+        raise StudyError("--commit writes the verdicts of a full run: give --all, without --quick")
+    papers = list(MODULES) if paper is None else [paper_named(paper)]
+    found = reproduce(papers, QUICK if quick else FULL, out, workers, console)
+    for name, entries in found.items():
+        console.print(f"{name}: {tally(entries)}", soft_wrap=True)
+    flat = [entry for entries in found.values() for entry in entries]
+    if commit:
+        write_committed(flat, committed_path())
+        console.print(f"verdicts: {committed_path()}", soft_wrap=True)
+    elif not quick and committed_path().is_file():
+        changed = changes(flat, read_committed(committed_path()))
+        console.print(f"{len(changed)} verdicts differ from the committed ones", *changed, sep="\n", soft_wrap=True)

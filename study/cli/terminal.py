@@ -1,0 +1,241 @@
+"""What the command `study` prints: tables and progress, for people."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from itertools import groupby
+
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+from rich.text import Text
+
+from study.analysis.methods import Row
+from study.cases.ledger import Entry
+from study.cases.library import Case
+from study.judge import RATES, Verdict
+from study.planning import Planner, Status
+from study.problem import Problem
+
+DASH = "–"
+SHORT = 0.01
+"""Durations below this many seconds are written with significant digits, not decimals."""
+
+
+def progress(console: Console) -> Progress:
+    """Build the live display of a run."""
+    return Progress(
+        SpinnerColumn(),
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        console=console,
+        transient=False,
+    )
+
+
+NOTE = (
+    "path: what a method may change; times on different paths answer different questions. gap: above the shortest "
+    "feasible duration known, on whatever path; to bound: above what no motion through the waypoints can undercut."
+)
+
+
+FLAGGED = " ⚑: its result depends on where in its box the optimum stands (`study compare`)."
+
+
+def rows_table(case: Case, rows: Sequence[Row], flags: Collection[str] = ()) -> Table:
+    """Table of one case: every method, feasible ones first, with the reason where one is infeasible; `flags` get a mark."""
+    title = f"{case.name}: {case.title} (limits: {case.limits_label})"
+    table = Table(
+        title=title,
+        title_justify="left",
+        header_style="bold",
+        caption=NOTE + FLAGGED * bool(flags),
+        caption_justify="left",
+    )
+    table.add_column("method", no_wrap=True)
+    table.add_column("path", no_wrap=True)
+    for name in ("duration (s)", "gap", "to bound", "feasible", "worst ratio", "evaluations", "wall (s)"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("reason", overflow="fold", style="dim")
+    bound = max((known for row in rows if (known := any_motion_bound(row)) is not None), default=None)
+    for row in rows:
+        proof = any_motion_bound(row) is not None
+        table.add_row(
+            *_cells(row, bound, _planner(row) in flags), style="bold" if proof else "" if row.feasible else "red"
+        )
+    return table
+
+
+def _seconds(value: float) -> str:
+    return f"{value:.5f}" if value >= SHORT else f"{value:.5g}"
+
+
+def any_motion_bound(row: Row) -> float | None:
+    """Proved lower bound on any motion through the waypoints, s, where a row has no motion but such a proof."""
+    shown = row.representative
+    return None if shown is None or shown.motion is not None else shown.details.get("lower_bound")
+
+
+def _planner(row: Row) -> str | None:
+    return row.representative.cell.planner if row.representative and row.kind == "search" else None
+
+
+def _cells(row: Row, bound: float | None, flagged: bool) -> tuple[str | Text, ...]:
+    duration = row.duration if row.duration is not None else row.claimed
+    judged = row.representative is not None
+    proved = any_motion_bound(row)
+    above = None if row.gap is None or row.median is None or bound is None else row.median / bound - 1.0
+    return (
+        Text(row.label + " ⚑" * flagged),
+        row.path.removesuffix(" path") if proved is None else "any",
+        f"≥ {_seconds(proved)}"
+        if proved
+        else DASH
+        if duration is None
+        else _seconds(duration)
+        if judged
+        else f"({duration:g})",
+        DASH if row.gap is None else f"{100 * row.gap:.2f} %",
+        DASH if above is None else f"{100 * above:.2f} %",
+        "bound" if proved is not None else _share(row) if judged else "not judged",
+        DASH if row.worst_ratio is None else f"{row.worst_ratio:.4f}",
+        f"{row.evaluations:,}" if row.evaluations else DASH,
+        DASH if row.kind == "published" else f"{row.wall_time:.3g}",
+        Text(row.reason),
+    )
+
+
+def _share(row: Row) -> str:
+    if row.representative is not None and row.representative.status is Status.NOT_APPLICABLE:
+        return "n/a"
+    if row.runs == 1:
+        return "yes" if row.feasible else "no"
+    return f"{row.feasible_runs} of {row.runs}"
+
+
+def times_text(times: Iterable[float], duration: float) -> str:
+    """Times with four decimals, or more where the whole motion takes less than a second."""
+    places = 4 + max(0, -math.floor(math.log10(duration))) if duration > 0 else 4
+    return ", ".join(f"{t:.{places}f}" for t in times)
+
+
+def verdict_table(problem: Problem, verdict: Verdict) -> Table:
+    """Table of what the judge found, joint by joint."""
+    table = Table(header_style="bold")
+    table.add_column("joint")
+    for name in RATES:
+        table.add_column(f"{name}: share of limit", justify="right")
+        table.add_column("at (s)", justify="right")
+    table.add_column("waypoint error", justify="right")
+    table.add_column("overshoot", justify="right")
+    for j, joint in enumerate(problem.joint_names):
+        rates = []
+        for order, limits in enumerate(problem.limits.rates):
+            rates += [
+                f"{verdict.ratios[order, j]:.6f}" if np.isfinite(limits[j]) else "no limit",
+                times_text([verdict.times[order, j]], verdict.duration),
+            ]
+        table.add_row(joint, *rates, f"{verdict.waypoint_error[j]:.2e}", f"{verdict.overshoot[j]:.2e}")
+    return table
+
+
+def cases_table(cases: Iterable[Case]) -> Table:
+    """Table of cases; those of the default run are marked, variants stand indented under their case."""
+    table = Table(title="Cases", title_justify="left", header_style="bold")
+    for name in ("name", "default", "what", "limits", "waypoints", "joints", "curve", "paper's planner"):
+        table.add_column(
+            name,
+            overflow="fold",
+            justify="right" if name in ("waypoints", "joints") else "left",
+            no_wrap=name == "name",
+        )
+    for case in cases:
+        if not case.variant_of:
+            table.add_section()
+        name, size = "  " * bool(case.variant_of) + case.name, (case.problem.n_waypoints, case.problem.n_joints)
+        default = "yes" if case.default else ""
+        table.add_row(name, default, case.title, case.limits_label, *map(str, size), case.curve, case.planner)
+    return table
+
+
+def planners_table(entries: Sequence[tuple[str, Planner | str]], defaults: Iterable[str]) -> Table:
+    """Table of planners; one that cannot be loaded shows the reason."""
+    table = Table(title="Planners", title_justify="left", header_style="bold")
+    for name in ("name", "default", "kind", "motion"):
+        table.add_column(name, overflow="fold", no_wrap=name == "name")
+    taken = set(defaults)
+    for name, planner in entries:
+        default = "yes" if name in taken else ""
+        if isinstance(planner, str):
+            table.add_row(name, default, "not available", planner, style="red")
+            continue
+        kind = "search" if planner.stochastic else "deterministic"
+        table.add_row(name, default, kind, "the case's curve" if planner.segment_times else "its own")
+    return table
+
+
+def case_tables(case: Case) -> list[Table]:
+    """Tables of one case: where its numbers come from, its waypoints and its limits."""
+    facts = Table(title=f"{case.name}: {case.title}", title_justify="left", show_header=False)
+    facts.add_column(style="bold")
+    facts.add_column(overflow="fold")
+    lower, upper = case.problem.duration_bounds
+    own = case.paper == "own"
+    if not own:
+        facts.add_row("paper", case.paper)
+    facts.add_row("curve", f"{case.curve}; the motion {case.problem.end.value}")
+    facts.add_row("segment durations", f"{lower:g} to {upper:g} s")
+    settings = case.settings
+    ways = f"{settings.formulation}, {settings.synchronisation}, population {settings.population}"
+    planner = "searches" if own else "paper's planner"
+    facts.add_row(planner, f"{'' if own else case.planner + ', '}{ways}, {settings.evaluations:,} evaluations")
+    facts.add_row("limits", case.limits_label)
+    for name, source in case.sources.items():
+        facts.add_row(f"source of {name}", source)
+    for note in case.notes:
+        facts.add_row("note", note)
+    return [facts, _waypoints_table(case), _limits_table(case)]
+
+
+def ledger_tables(entries: Iterable[Entry]) -> Iterator[Table]:
+    """Tables of the ledger, one for each paper."""
+    for paper, group in groupby(entries, key=lambda entry: entry.paper):
+        table = Table(title=paper, title_justify="left", header_style="bold", show_lines=True)
+        for name in ("kind", "place", "printed", "problem", "reading", "consequence"):
+            table.add_column(name, overflow="fold")
+        for entry in group:
+            table.add_row(entry.kind, entry.place, entry.printed, entry.problem, entry.reading, entry.consequence)
+        yield table
+
+
+def _waypoints_table(case: Case) -> Table:
+    table = Table(title="Waypoints", title_justify="left", header_style="bold")
+    table.add_column("", justify="right")
+    for name, unit in zip(case.problem.joint_names, case.units, strict=True):
+        table.add_column(f"{name} ({unit})", justify="right")
+    for number, row in enumerate(case.problem.waypoints, start=1):
+        table.add_row(str(number), *(f"{value:.6g}" for value in row))
+    return table
+
+
+def _limits_table(case: Case) -> Table:
+    table = Table(title="Limits", title_justify="left", header_style="bold")
+    table.add_column("")
+    for name in case.problem.joint_names:
+        table.add_column(name, justify="right")
+    units = ("/s", "/s²", "/s³")
+    for name, unit, limits in zip(RATES, units, case.problem.limits.rates, strict=True):
+        values = [
+            f"{value:g} {of}{unit}" if np.isfinite(value) else "none"
+            for value, of in zip(limits, case.units, strict=True)
+        ]
+        table.add_row(name, *values)
+    for name, ends in (("lowest position", case.problem.limits.lower), ("highest position", case.problem.limits.upper)):
+        if np.isfinite(ends).any():
+            values = [f"{v:g} {of}" if np.isfinite(v) else "none" for v, of in zip(ends, case.units, strict=True)]
+            table.add_row(name, *values)
+    return table

@@ -1,0 +1,75 @@
+"""`study torture`: random problems for every reference planner."""
+
+from __future__ import annotations
+
+import contextlib
+from collections import Counter
+from collections.abc import Mapping
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from study.cli import terminal
+from study.cli.run import Interrupted, make_console
+from study.errors import StudyError
+from study.registry import planner_named
+from study.runs.runner import default_jobs
+from study.testing.stress import CRASH, OUTCOMES, WRONG, Outcome, reference_planners
+from study.testing.stress import torture as run_torture
+
+MUST_NOT = (WRONG, CRASH)
+
+
+def torture(
+    problems: Annotated[int, typer.Option(help="How many random problems.", min=1)] = 1000,
+    seed: Annotated[int, typer.Option(help="Of the problems.")] = 0,
+    planners: Annotated[
+        list[str] | None, typer.Option(help="Names separated by commas; every deterministic planner by default.")
+    ] = None,
+    time_limit: Annotated[float, typer.Option(help="Seconds for each planner on each problem.", min=0.1)] = 5.0,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
+) -> None:
+    """Put random problems (1-8 joints, 2-25 waypoints, limits over three decades) to planners; ends with 3 if one crashes."""
+    names = [
+        name.strip() for text in planners or [] for name in text.split(",") if name.strip()
+    ] or reference_planners()
+    for name in names:
+        planner_named(name)
+    jobs = default_jobs() if jobs is None else jobs
+    if jobs < 1:
+        raise StudyError(f"the number of jobs must be at least 1, got {jobs}")
+    console, counts = make_console(), {name: Counter[str]() for name in names}
+    with terminal.progress(console) as progress:
+        task = progress.add_task("running", total=problems * len(names))
+
+        def finished(outcome: Outcome) -> None:
+            attempt = outcome.attempt
+            counts[attempt.planner][outcome.kind] += 1
+            progress.update(task, advance=1, description=f"problem {attempt.number}: {attempt.planner}")
+            if outcome.kind in MUST_NOT:
+                console.print(f"{outcome.kind}: {attempt.planner} on problem {attempt.number}: {outcome.sentence}")
+
+        with contextlib.suppress(KeyboardInterrupt):
+            run_torture(names, problems, seed, time_limit, jobs, finished)
+    done = min(count.total() for count in counts.values())
+    console.print(_table(counts, done, seed))
+    if done < problems:
+        raise Interrupted(f"interrupted after {done} of {problems} problems; the table counts what was done")
+    if any(count[kind] for count in counts.values() for kind in MUST_NOT):
+        raise typer.Exit(3)
+
+
+def _table(counts: Mapping[str, Counter[str]], problems: int, seed: int) -> Table:
+    table = Table(title=f"{problems} random problems, seed {seed}", title_justify="left", header_style="bold")
+    table.add_column("planner")
+    for kind in OUTCOMES:
+        table.add_column(kind, justify="right")
+    for name, count in counts.items():
+        table.add_row(name, *(f"{count[kind]:,}" for kind in OUTCOMES))
+    return table
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(torture)

@@ -1,1 +1,0 @@
-"""Parts of the command `study` that have a file of their own."""

@@ -1,1 +1,0 @@
-"""From cases and planners to stored, judged results."""

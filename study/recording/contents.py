@@ -1,0 +1,267 @@
+"""What a recording shows: every method of a case, judged, coloured and sampled."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from study.analysis.activity import Use, limit_uses
+from study.analysis.featured import Featured, featured
+from study.analysis.methods import CURVE
+from study.analysis.rows import Entry, entries_of
+from study.cases.library import Case
+from study.errors import StudyError
+from study.problem import Floats, JointLimits
+from study.store.results import Result
+from study.trajectory import Extrema, Motion
+
+NANOSECOND = 1e-9
+FIRST_LOOK = 6
+"""How many arms the first look has room for."""
+
+FEW = 3
+"""Fewer featured methods than this are joined by the next in rank."""
+
+PALETTE = (
+    (78, 166, 230),
+    (255, 159, 64),
+    (92, 200, 120),
+    (238, 104, 104),
+    (176, 136, 232),
+    (222, 190, 80),
+    (240, 130, 196),
+    (64, 208, 208),
+    (168, 208, 70),
+    (186, 140, 108),
+    (130, 150, 255),
+    (255, 196, 150),
+    (46, 160, 150),
+    (214, 160, 230),
+    (160, 160, 160),
+    (230, 90, 150),
+    (120, 190, 250),
+    (200, 120, 50),
+    (150, 230, 180),
+    (220, 220, 130),
+    (110, 110, 190),
+    (190, 60, 60),
+    (80, 140, 60),
+    (250, 120, 110),
+    (190, 200, 230),
+    (150, 80, 160),
+    (100, 230, 240),
+    (160, 110, 80),
+)
+"""Colours that keep apart on the viewer's dark ground."""
+
+ALIKE = 95.0
+"""Colours closer than this in red, green and blue look alike in thin lines."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """A motion that the recording shows, and the method it belongs to.
+
+    Attributes
+    ----------
+    entry : Entry
+    motion : Motion
+        Of the method's representative run.
+    color : tuple of three int
+    limits : JointLimits
+    """
+
+    entry: Entry
+    motion: Motion
+    color: tuple[int, int, int]
+    limits: JointLimits
+
+    @cached_property
+    def uses(self) -> tuple[Use, ...]:
+        """When which limit is active."""
+        return limit_uses(self.motion, self.limits, extrema=self.extrema[1:])
+
+    @cached_property
+    def extrema(self) -> tuple[Extrema, ...]:
+        """Peaks of position, velocity, acceleration and jerk."""
+        return tuple(self.motion.extrema(order) for order in range(4))
+
+    def times(self, samples: int) -> np.ndarray:
+        """Whole nanoseconds at which the motion is written down, shape (n_times,); see `sample_times`."""
+        return sample_times(self.motion, samples, self.extrema)
+
+    @property
+    def label(self) -> str:
+        """Name in tables."""
+        return self.entry.label
+
+    @property
+    def feasible(self) -> bool:
+        """Whether the motion shown passed the judge."""
+        run = self.entry.row.representative
+        return run is not None and run.verdict is not None and run.verdict.feasible
+
+    @property
+    def published(self) -> bool:
+        """Whether it is what the paper prints."""
+        return self.entry.row.kind == "published"
+
+    @property
+    def title(self) -> str:
+        """Time, whether the motion is infeasible, and the name, which may be long and is cut off where room is short."""
+        return f"{self.motion.duration:.3f} s{'' if self.feasible else ' infeasible'}  {self.label}"
+
+
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """A case, its methods in order of rank and the motions shown.
+
+    Attributes
+    ----------
+    case : Case
+    entries : tuple of Entry
+        Rows of the table; single joints are left out.
+    chosen : Featured
+        The best of every kind, for the first look.
+    shown : tuple of Shown
+        Methods with a motion; of what the paper prints only the shortest.
+    best : float, s
+        Shortest feasible duration of any run on the paper's curve, infinite where there is none.
+    samples : int
+        Evenly spaced samples of every motion; its knots and exact peaks are added.
+    """
+
+    case: Case
+    entries: tuple[Entry, ...]
+    chosen: Featured
+    shown: tuple[Shown, ...]
+    best: float
+    samples: int
+
+    @property
+    def longest(self) -> float:
+        """Longest duration of any motion, s."""
+        return max((one.motion.duration for one in self.shown), default=1.0)
+
+    @property
+    def run_time(self) -> float:
+        """How long the first look's motions run, s."""
+        return max((one.motion.duration for one in self.compared), default=1.0)
+
+    @property
+    def first_look(self) -> tuple[Shown, ...]:
+        """The featured methods and, where they are few, the next in rank."""
+        others = [one for one in self.shown if one not in self.featured]
+        picked = {*self.featured, *others[: max(FIRST_LOOK - len(self.featured), 0)]}
+        return tuple(one for one in self.shown if one in picked)
+
+    @property
+    def featured(self) -> tuple[Shown, ...]:
+        """The best method of every kind, the paper's own planner and what the paper prints, in order of rank."""
+        labels = {entry.label for _, _, entry in self.chosen.present()} | {self.case.planner}
+        return tuple(one for one in self.shown if one.label in labels or one.published)
+
+    @property
+    def compared(self) -> tuple[Shown, ...]:
+        """Featured methods, or the first look's where they are few, that fit into one plot.
+
+        No infeasible ones but the published, and none far slower.
+        """
+        wanted = self.featured if len(self.featured) >= FEW else self.first_look
+        judged = [one for one in wanted if one.feasible or one.published]
+        reference = self.chosen.reference
+        slowest = 2.5 * (reference.duration or np.inf) if reference is not None else np.inf
+        return tuple(one for one in judged if one.motion.duration <= slowest) or self.first_look
+
+
+def gather(case: Case, results: Sequence[Result], samples: int) -> Contents:
+    """Choose what to show of a case's results.
+
+    Raises
+    ------
+    StudyError
+        If a result belongs to another case, or there is nothing to show.
+    """
+    strangers = sorted({result.cell.case for result in results} - {case.name})
+    if strangers:
+        raise StudyError(
+            f"recording of case {case.name!r}: got results of case {strangers[0]!r}; give one case's results"
+        )
+    entries = tuple(entry for entry in entries_of(case, results) if entry.row.joint is None)
+    if not entries:
+        raise StudyError(f"recording of case {case.name!r}: no results; run the case first")
+    chosen = featured(entries)
+    printed = sorted(_moving(entries, published=True), key=lambda pair: pair[1].duration)[:1]
+    moving = [pair for pair in _moving(entries) if pair[0].row.kind != "published" or pair in printed]
+    first = [*(entry.label for _, _, entry in chosen.present()), case.planner, *(entry.label for entry, _ in printed)]
+    colors = method_colors([entry.label for entry, _ in moving], first)
+    shown = tuple(Shown(entry, motion, colors[entry.label], case.problem.limits) for entry, motion in moving)
+    on_curve = [entry.row.best for entry in entries if entry.row.best is not None and entry.path == CURVE]
+    return Contents(case, entries, chosen, shown, min(on_curve, default=np.inf), samples)
+
+
+def _moving(entries: Sequence[Entry], published: bool = False) -> list[tuple[Entry, Motion]]:
+    """Entries that have a motion, each with it; only what the paper prints, if so wanted."""
+    wanted = [entry for entry in entries if entry.row.kind == "published" or not published]
+    return [(entry, entry.motion) for entry in wanted if entry.motion is not None]
+
+
+def method_colors(labels: Sequence[str], first: Sequence[str] = ()) -> dict[str, tuple[int, int, int]]:
+    """Give every method a colour that depends on its name, so that it rarely changes between cases.
+
+    Parameters
+    ----------
+    labels : sequence of str
+    first : sequence of str
+        Methods that are served first, so that no two of them share a colour or have colours that look alike.
+    """
+    free: list[int] = []
+    colors: dict[str, tuple[int, int, int]] = {}
+    for label in sorted(labels, key=lambda label: (label not in first, label)):
+        free = free or list(range(len(PALETTE)))
+        apart = [
+            k for k in free if label not in first or all(_distance(PALETTE[k], c) > ALIKE for c in colors.values())
+        ]
+        wanted = int.from_bytes(hashlib.sha256(label.encode()).digest()[:4], "big") % len(PALETTE)
+        slot = min(apart or free, key=lambda k: (k - wanted) % len(PALETTE))
+        colors[label] = PALETTE[slot]
+        free.remove(slot)
+    return colors
+
+
+def _distance(one: Sequence[int], other: Sequence[int]) -> float:
+    return float(np.linalg.norm(np.subtract(one, other)))
+
+
+def sample_times(motion: Motion, samples: int, extrema: Sequence[Extrema] = ()) -> np.ndarray:
+    """Whole nanoseconds at which a motion is written down.
+
+    Evenly spaced samples, the exact peaks of position, velocity, acceleration and jerk, and every knot with a
+    nanosecond before and one after it, so that a step is drawn as a step.
+
+    Parameters
+    ----------
+    motion : Motion
+    samples : int
+    extrema : sequence of Extrema, optional
+        Of position, velocity, acceleration and jerk, where they are known already.
+
+    Returns
+    -------
+    int64 array of shape (n_times,), ns
+    """
+    peaks = [times for extreme in extrema or map(motion.extrema, range(4)) for times in extreme[1::2]]
+    end = int(np.floor(motion.duration / NANOSECOND))
+    knots = np.rint(motion.knots / NANOSECOND)
+    even = np.linspace(0.0, end, samples)
+    times = np.concatenate([np.rint(even), knots - 1, knots, knots + 1, np.rint(np.concatenate(peaks) / NANOSECOND)])
+    return np.unique(np.clip(times, 0, end).astype(np.int64))
+
+
+def seconds(times: np.ndarray) -> Floats:
+    """Turn whole nanoseconds into seconds, the way a reader of the recording does."""
+    return times * NANOSECOND

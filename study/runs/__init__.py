@@ -1,0 +1,1 @@
+"""Running planners in worker processes: line-up, pool, runner and Dask."""

@@ -1,0 +1,189 @@
+"""Who runs: planner specifications, the default line-up, and the cells that come of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from study.cases.library import Case
+from study.errors import StudyError, unknown
+from study.formulation import FORMULATIONS
+from study.planning import RunSettings
+from study.registry import planner_named, planner_names, unavailable_planners
+from study.store.results import Cell
+
+SYNCHRONISATIONS = ("per-joint", "shared")
+AS_IN_PAPER = "as in the paper"
+"""Synchronisation of a specification that takes that of the case's own paper; it has no name on the command line."""
+
+HEADLINE_SEARCHES = (
+    "pso",
+    "gold-sa",
+    "golds-pso",
+    "dynamic-adaptive-pso",
+    "smwoa",
+    "tadf-ssa",
+    "chaotic-spso",
+    "random-search",
+)
+QUICK_EVALUATIONS = 2000
+QUICK_SEEDS = 3
+FULL_SEEDS = 30
+TIME_LIMIT = 60.0
+
+
+@dataclass(frozen=True)
+class Spec:
+    """A planner and how it is to be run; None leaves an option to the case's own paper.
+
+    Attributes
+    ----------
+    planner : str
+        Registry name.
+    formulation : str, optional
+        `penalty` or `scaled`.
+    synchronisation : str, optional
+        `per-joint`, `shared` or `AS_IN_PAPER`.
+    """
+
+    planner: str
+    formulation: str | None = None
+    synchronisation: str | None = None
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How much every cell may cost.
+
+    Attributes
+    ----------
+    seeds : int
+        Runs of every search; deterministic planners run once.
+    evaluations : int, optional
+        Curve evaluations of every search; None takes the budget of the case's own paper.
+    time_limit : float, s
+        Wall time after which a cell is interrupted.
+    """
+
+    seeds: int = QUICK_SEEDS
+    evaluations: int | None = QUICK_EVALUATIONS
+    time_limit: float = TIME_LIMIT
+
+    def __post_init__(self) -> None:
+        if self.seeds < 1:
+            raise StudyError(f"the number of seeds must be at least 1, got {self.seeds}")
+        if self.evaluations is not None and self.evaluations < 1:
+            raise StudyError(f"the number of evaluations must be at least 1, got {self.evaluations}")
+        if not self.time_limit > 0:
+            raise StudyError(f"the time limit must be positive, got {self.time_limit:g} s")
+
+
+def parse_spec(text: str) -> Spec:
+    """Read `NAME[:OPTION[,OPTION]]`, such as `golds-pso:scaled,shared`.
+
+    Raises
+    ------
+    StudyError
+        If the planner is not installed or an option is unknown or contradicts another.
+    """
+    name, _, tail = text.strip().partition(":")
+    planner_named(name)
+    chosen: dict[str, str] = {}
+    for option in filter(None, (part.strip() for part in tail.split(","))):
+        kind = "formulation" if option in FORMULATIONS else "synchronisation"
+        if kind == "synchronisation" and option not in SYNCHRONISATIONS:
+            raise unknown(f"planner option in {text!r}:", option, (*FORMULATIONS, *SYNCHRONISATIONS))
+        if kind in chosen:
+            raise StudyError(f"planner {text!r} asks for two kinds of {kind}: {chosen[kind]} and {option}; keep one")
+        chosen[kind] = option
+    return Spec(name, **chosen)
+
+
+def parse_specs(text: str) -> tuple[Spec, ...]:
+    """Read specifications separated by commas; an option belongs to the name before it.
+
+    Raises
+    ------
+    StudyError
+        If there is none, or one of them is wrong.
+    """
+    parts: list[str] = []
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        if parts and (part in FORMULATIONS or part in SYNCHRONISATIONS):
+            parts[-1] += f",{part}" if ":" in parts[-1] else f":{part}"
+        else:
+            parts.append(part)
+    if not parts:
+        raise StudyError("no planners to run; name some with --planners, see `study list`")
+    return tuple(dict.fromkeys(parse_spec(part) for part in parts))
+
+
+def default_lineup(names: Iterable[str] | None = None) -> tuple[Spec, ...]:
+    """Every headline search as the papers run it and once more `scaled,shared`, and every deterministic planner.
+
+    Deterministic planners share durations between the joints; those on the paper's curve run once more joint by joint where
+    the paper does, so that the price of that rule can be told from the price of the search.
+
+    Planners that cannot be loaded are left out; `unavailable_planners` names them.
+
+    Parameters
+    ----------
+    names : iterable of str, optional
+        Searches to take; the headline ones that are installed by default.
+    """
+    installed = _available()
+    searches = [name for name in (HEADLINE_SEARCHES if names is None else names) if name in installed]
+    papers_way = [Spec(name) for name in searches]
+    scaled = [Spec(name, "scaled", "shared") for name in searches if planner_named(name).segment_times]
+    plain = [name for name in installed if not planner_named(name).stochastic]
+    rule = [Spec(name, synchronisation=AS_IN_PAPER) for name in plain if planner_named(name).segment_times]
+    return (*papers_way, *scaled, *(Spec(name) for name in plain), *rule)
+
+
+def full_lineup() -> tuple[Spec, ...]:
+    """Every installed planner in the ways of the default line-up."""
+    return default_lineup([name for name in _available() if planner_named(name).stochastic])
+
+
+def _available() -> list[str]:
+    broken = unavailable_planners()
+    return [name for name in planner_names() if name not in broken]
+
+
+def make_cells(cases: Iterable[Case], specs: Sequence[Spec], budget: Budget) -> list[Cell]:
+    """Cross cases, planners and seeds; what comes twice is kept once.
+
+    Parameters
+    ----------
+    cases : iterable of Case
+    specs : sequence of Spec
+    budget : Budget
+    """
+    cells = [cell for case in cases for spec in specs for cell in _cells(case, spec, budget)]
+    return list(dict.fromkeys(cells))
+
+
+def _cells(case: Case, spec: Spec, budget: Budget) -> list[Cell]:
+    planner = planner_named(spec.planner)
+    own = replace(case.settings, curve=case.curve, seed=0, time_limit=budget.time_limit)
+    if budget.evaluations is not None:
+        own = replace(own, evaluations=budget.evaluations)
+    if not planner.stochastic:  # takes the plain problem unless told otherwise
+        own = replace(own, formulation="scaled", synchronisation="shared")
+    if not planner.segment_times:  # takes no budget either, so that no budget makes it another cell
+        own = RunSettings(curve=case.curve, formulation="scaled", time_limit=budget.time_limit)
+    rule = case.settings.synchronisation if spec.synchronisation == AS_IN_PAPER else spec.synchronisation
+    settings = replace(
+        own,
+        formulation=spec.formulation or own.formulation,
+        synchronisation=rule or own.synchronisation,
+    )
+    seeds = range(budget.seeds) if planner.stochastic else range(1)
+    label = _label(spec.planner, settings, own)
+    return [Cell(case.name, spec.planner, label, replace(settings, seed=seed)) for seed in seeds]
+
+
+def _label(name: str, settings: RunSettings, own: RunSettings) -> str:
+    pairs = [(settings.formulation, own.formulation), (settings.synchronisation, own.synchronisation)]
+    different = [chosen for chosen, usual in pairs if chosen != usual]
+    return f"{name}:{','.join(different)}" if different else name

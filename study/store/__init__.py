@@ -1,0 +1,1 @@
+"""Results keyed by content and code, kept in one SQLite file."""

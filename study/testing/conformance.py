@@ -1,0 +1,219 @@
+"""Conformance tests for planners and searches, for everyone who writes one: call them from a test of your own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from study.errors import StudyError
+from study.judge import judge
+from study.parametric import ParametricTrajectory
+from study.planning import Meter, Plan, Planner, RunSettings, Status
+from study.problem import EndCondition, Floats, JointLimits, Problem
+from study.search.loop import Box, Search, State
+from study.trajectory import Motion, Trajectory
+
+
+class NonconformingError(AssertionError):
+    """A planner or search breaks the contract; the text says which part of it."""
+
+
+def random_problem(rng: np.random.Generator, name: str = "random") -> Problem:
+    """Draw a problem: 1 to 8 joints, 2 to 25 waypoints, limits over three decades, jerk and acceleration limited or not.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    name : str
+    """
+    n_joints, n_waypoints = int(rng.integers(1, 9)), int(rng.integers(2, 26))
+    size = 10.0 ** rng.uniform(-1.5, 1.5, n_joints)
+    waypoints = size * np.cumsum(rng.uniform(-1.0, 1.0, (n_waypoints, n_joints)), axis=0)
+    rates = size * 10.0 ** rng.uniform(-1.5, 1.5, (3, n_joints))
+    kind = int(rng.integers(3))
+    rates[kind + 1 :] = np.inf
+    end = EndCondition.SMOOTH if kind == 2 and rng.random() < 0.5 else EndCondition.REST
+    return Problem(name, waypoints, JointLimits(*rates), end)
+
+
+def example_problems() -> tuple[Problem, ...]:
+    """Small problems in which each limit binds in turn, and one with a joint that does not move."""
+    four = np.array([[0.0, 0.2], [0.5, -0.1], [0.9, 0.3], [1.4, 0.1]])
+    still = np.column_stack([four, np.full(4, 0.7)])
+    loose, tight = np.full(2, 100.0), np.array([1.0, 0.8])
+    limits = {
+        "velocity binds": JointLimits(tight, loose, 100 * loose),
+        "acceleration binds": JointLimits(loose, tight, 100 * loose),
+        "jerk binds": JointLimits(loose, loose, tight),
+        "no jerk limit": JointLimits(tight, 2 * tight),
+    }
+    problems = [Problem(name, four, limit) for name, limit in limits.items()]
+    moving = JointLimits(np.ones(3), 2 * np.ones(3), 20 * np.ones(3))
+    problems.append(Problem("a joint that does not move", still, moving))
+    problems.append(Problem("two waypoints", four[:2], limits["no jerk limit"]))
+    return tuple(problems)
+
+
+def check_planner(
+    planner: Planner,
+    problems: Sequence[Problem] | None = None,
+    settings: RunSettings | None = None,
+    may_be_infeasible: bool = False,
+) -> None:
+    """Test a planner against the contract of `study.planning.Planner`.
+
+    Its answers must be plans; what it calls finished must pass the judge; its evaluations must stay within the budget; the
+    same seed must give the same bytes; problems and NumPy's global random state must stay as they were; a failure
+    must have a reason; and at least one problem must be solved.
+
+    Parameters
+    ----------
+    planner : Planner
+    problems : sequence of Problem, optional
+        `example_problems()` by default.
+    settings : RunSettings, optional
+        300 evaluations of feasible-by-stretching candidates on the clamped cubic spline by default.
+    may_be_infeasible : bool
+        For planners that do not know some kind of limit, as TOPP-RA does not know jerk.
+
+    Raises
+    ------
+    NonconformingError
+        With one sentence for the first part of the contract that is broken.
+    """
+    _require(
+        isinstance(getattr(planner, "stochastic", None), bool)
+        and isinstance(getattr(planner, "segment_times", None), bool)
+        and callable(getattr(planner, "plan", None)),
+        "a planner has a method plan and the attributes stochastic and segment_times, both true or false",
+    )
+    chosen = settings or RunSettings("cubic-spline", seed=1, evaluations=300, population=20, formulation="scaled")
+    solved = [_solves(planner, problem, chosen, may_be_infeasible) for problem in problems or example_problems()]
+    _require(any(solved), "the planner solved none of the problems")
+
+
+def _solves(planner: Planner, problem: Problem, settings: RunSettings, may_be_infeasible: bool) -> bool:
+    where, before = f"on {problem.name!r}", _numbers(problem)
+    random_before = _global_random_state()
+    first, second = (_answer(planner, problem, settings, where) for _ in range(2))
+    _require(_numbers(problem) == before, f"{where} the planner changed the problem")
+    _require(_global_random_state() == random_before, f"{where} it used NumPy's global random state; use the seed")
+    if isinstance(first, StudyError) or isinstance(second, StudyError):
+        _require(str(first) == str(second), f"{where} the same seed gave different answers")
+        _require("\n" not in str(first) and bool(str(first)), f"{where} its reason is not one sentence: {first}")
+        return False
+    _require(_motion_numbers(first.motion) == _motion_numbers(second.motion), f"{where} one seed gave two motions")
+    limit = settings.evaluations * (problem.n_joints if settings.synchronisation == "per-joint" else 1)
+    _require(first.evaluations <= limit, f"{where} it used {first.evaluations} evaluations of {limit}")
+    if first.motion is None:
+        _require(first.status is not Status.FINISHED, f"{where} it says that it finished, but there is no motion")
+        _require(bool(first.message), f"{where} it gave neither a motion nor a reason")
+        return False
+    verdict = judge(problem, first.motion)
+    promised = first.status is Status.FINISHED and not may_be_infeasible
+    _require(verdict.feasible or not promised, f"{where} its motion is infeasible: {'; '.join(verdict.reasons)}")
+    return verdict.feasible
+
+
+def _answer(planner: Planner, problem: Problem, settings: RunSettings, where: str) -> Plan | StudyError:
+    try:
+        plan = planner.plan(problem, settings)
+    except StudyError as error:
+        return error
+    except Exception as error:
+        raise NonconformingError(
+            f"{where} it raised {type(error).__name__}: {error}; return a plan with a status and a message"
+        ) from error
+    _require(isinstance(plan, Plan), f"{where} it returned a {type(plan).__name__}, not a study.planning.Plan")
+    return plan
+
+
+def check_search(search: Search[Any], n_dimensions: int = 4, budget: int = 600, population: int = 20) -> None:
+    """Test a search against the contract of `study.search.loop.Search` on a shifted sphere.
+
+    Candidates must be finite and in the box, states must not change once made, the same seed must give the same candidates,
+    infinite values must not break it, its incumbent must be the best candidate told, and it must improve on its first
+    generation.
+
+    Parameters
+    ----------
+    search : Search
+    n_dimensions, budget, population : int
+
+    Raises
+    ------
+    NonconformingError
+        With one sentence for the first part of the contract that is broken.
+    """
+    box = Box(np.linspace(-3.0, 1.0, n_dimensions), np.linspace(2.0, 9.0, n_dimensions))
+    goal = box.at(np.linspace(0.3, 0.6, n_dimensions))
+
+    def sphere(points: Floats) -> Floats:
+        return ((points - goal) ** 2).sum(axis=1)
+
+    def mostly_infinite(points: Floats) -> Floats:
+        return np.where(points[:, 0] < goal[0], np.inf, sphere(points))
+
+    runs = [_drive(search, Meter(sphere, budget), box, population) for _ in range(2)]
+    _require(all(map(np.array_equal, *runs)), "the same seed gave different candidates")
+    _require(
+        sphere(np.concatenate(runs[0])).min() < sphere(runs[0][0]).min(), "it never improved on its first generation"
+    )
+    _drive(search, Meter(mostly_infinite, budget), box, population)
+    _drive(search, Meter(lambda points: np.full(len(points), np.inf), 3 * population), box, population)
+
+
+def _drive(search: Search[Any], meter: Meter, box: Box, population: int, seed: int = 0) -> list[Floats]:
+    rng, generations = np.random.default_rng(seed), -(-meter.budget // population)
+    random_before = _global_random_state()
+    state, asked = search.init(box, population, generations, rng), []
+    while True:
+        asked.append(_in_box(state, box))
+        before, values = _numbers(state), meter(state.candidates)
+        told = search.tell(state, values, rng)
+        _require(_numbers(state) == before, "tell changed the state it was given; make a new one")
+        _require(told.incumbent_value <= meter.incumbent_value, "its incumbent is not the best candidate it was told")
+        if meter.exhausted:
+            _require(_global_random_state() == random_before, "it used NumPy's global random state; use the generator")
+            return asked
+        before = _numbers(told)
+        state = search.ask(told, rng)
+        _require(_numbers(told) == before, "ask changed the state it was given; make a new one")
+
+
+def _in_box(state: State, box: Box) -> Floats:
+    points = np.asarray(state.candidates)
+    _require(points.ndim == 2 and points.shape[1] == len(box.lower), f"candidates have shape {points.shape}")
+    _require(bool(np.isfinite(points).all()), "a candidate is not finite")
+    _require(bool(((points >= box.lower) & (points <= box.upper)).all()), "a candidate lies outside the box")
+    return points.copy()
+
+
+def _require(holds: bool, sentence: str) -> None:
+    if not holds:
+        raise NonconformingError(sentence)
+
+
+def _global_random_state() -> str:
+    return str(np.random.get_state())  # noqa: NPY002  # to see that nobody else uses it
+
+
+def _numbers(part: Any) -> list[Any]:
+    """All numbers below a dataclass, as plain data that can be compared."""
+    if isinstance(part, np.ndarray):
+        return [part.shape, part.tobytes()]
+    if hasattr(part, "__dataclass_fields__"):
+        return [_numbers(getattr(part, field.name)) for field in fields(part)]
+    return [repr(part)]
+
+
+def _motion_numbers(motion: Motion | None) -> list[Any]:
+    parts: Iterable[str] = ()
+    if isinstance(motion, Trajectory):
+        parts = ("knots", "coefficients", "waypoint_times")
+    elif isinstance(motion, ParametricTrajectory):
+        parts = ("time", "position")
+    return [getattr(motion, part).tobytes() for part in parts]

@@ -1,0 +1,142 @@
+"""Random problems for every reference planner: how many are solved, how many end with a reason, and that none crashes."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+
+import numpy as np
+
+from study.errors import StudyError
+from study.judge import judge
+from study.planning import RunSettings, Status, usual_settings
+from study.problem import Problem
+from study.registry import planner_named, planner_names, unavailable_planners
+from study.runs.pool import Overdue, WorkerDied, WorkerPool
+from study.testing import random_problem
+
+FEASIBLE, REASON, TIMEOUT, WRONG, CRASH = (
+    "feasible",
+    "stated reason",
+    "time limit",
+    "infeasible, unannounced",
+    "crash",
+)
+OUTCOMES = (FEASIBLE, REASON, TIMEOUT, WRONG, CRASH)
+"""What can become of a problem; the last two must not happen."""
+
+JERKLESS = ("toppra",)
+"""Planners that do not know jerk: an answer that breaks only a jerk limit is announced by their documentation."""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One planner on one random problem.
+
+    Attributes
+    ----------
+    planner : str
+    seed, number : int
+        Of the problem.
+    time_limit : float, s
+    """
+
+    planner: str
+    seed: int
+    number: int
+    time_limit: float
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of an attempt, and the sentence that goes with it."""
+
+    attempt: Attempt
+    kind: str
+    sentence: str
+
+
+def reference_planners() -> list[str]:
+    """Deterministic planners that can be loaded."""
+    usable = [name for name in planner_names() if name not in unavailable_planners()]
+    return [name for name in usable if not planner_named(name).stochastic]
+
+
+def problem_number(seed: int, number: int) -> Problem:
+    """Draw one of a seed's problems, whatever the others are."""
+    return random_problem(np.random.default_rng([seed, number]), f"random {seed}/{number}")
+
+
+def endure(attempt: Attempt) -> Outcome:
+    """Let a planner solve a random problem and judge it."""
+    problem = problem_number(attempt.seed, attempt.number)
+    usual = usual_settings(problem)
+    settings = RunSettings(
+        usual.curve, seed=attempt.number, formulation=usual.formulation, time_limit=attempt.time_limit
+    )
+    try:
+        plan = planner_named(attempt.planner).plan(problem, settings)
+        verdict = None if plan.motion is None else judge(problem, plan.motion)
+    except StudyError as error:
+        return Outcome(attempt, REASON, str(error))
+    except Exception as error:  # this is what is looked for
+        return Outcome(attempt, CRASH, f"{type(error).__name__}: {error}")
+    if verdict is None:
+        return Outcome(attempt, REASON if plan.message else WRONG, plan.message or "neither a motion nor a reason")
+    if verdict.feasible:
+        return Outcome(attempt, FEASIBLE, "")
+    if attempt.planner in JERKLESS and np.isfinite(problem.limits.jerk).any():
+        return Outcome(attempt, REASON, "it does not know jerk, which is limited")
+    announced = plan.status is not Status.FINISHED and plan.message
+    return Outcome(attempt, REASON if announced else WRONG, plan.message if announced else "; ".join(verdict.reasons))
+
+
+def torture(
+    planners: Sequence[str],
+    problems: int,
+    seed: int,
+    time_limit: float,
+    jobs: int,
+    on_outcome: Callable[[Outcome], None] = lambda outcome: None,
+) -> dict[str, Counter[str]]:
+    """Put random problems to planners, in processes that may die.
+
+    Parameters
+    ----------
+    planners : sequence of str
+    problems : int
+    seed : int
+    time_limit : float, s
+        For each planner on each problem.
+    jobs : int
+        Worker processes.
+    on_outcome : callable, optional
+        Told of every outcome, in order.
+
+    Returns
+    -------
+    dict of str to Counter
+        For every planner how often each of `OUTCOMES` came.
+    """
+    counts = {name: Counter[str]() for name in planners}
+    pool = WorkerPool(jobs, lambda attempt: 2.0 * attempt.time_limit + 10.0)
+    try:
+        attempts = [Attempt(name, seed, k, time_limit) for k in range(problems) for name in planners]
+        for attempt, future in [(attempt, pool.submit(endure, attempt)) for attempt in attempts]:
+            outcome = _settled(attempt, future)
+            counts[attempt.planner][outcome.kind] += 1
+            on_outcome(outcome)
+    finally:
+        pool.shutdown(cancel_futures=True)
+    return counts
+
+
+def _settled(attempt: Attempt, future: Future[Outcome]) -> Outcome:
+    try:
+        return future.result()
+    except Overdue as error:
+        return Outcome(attempt, TIMEOUT, str(error))
+    except WorkerDied as error:
+        return Outcome(attempt, CRASH, str(error))
