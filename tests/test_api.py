@@ -14,7 +14,7 @@ import study
 from study import Comparison, EndCondition, JointLimits, Planned, Problem, StudyError, compare, judge, plan
 from study.api import automatic
 from study.io.exact import read_exact
-from tests.test_io_limits import MOVEIT
+from tests.helpers.robot_files import MOVEIT
 
 FOUR = np.array([[0.0, 0.2], [0.5, -0.1], [0.9, 0.3], [1.4, 0.1]])
 V, A, J = np.array([1.0, 0.8]), np.array([2.0, 1.5]), np.array([20.0, 15.0])

@@ -16,7 +16,7 @@ OWNERS = {
         "study/bench/references.py",
     ),  # the latter as a peer, by its own defaults
     "ruckig": ("baselines/state_to_state/moves.py",),
-    "rerun": ("study/report/recording/",),
+    "rerun": ("study/recording/",),
     "matplotlib": tuple(f"study/{part}/figures.py" for part in ("report", "reproduction", "comparison", "bench")),
     "numba": ("study/curves/kernels.py",),
     "pickle": ("study/runs/pool.py",),  # between the run's own processes only
