@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 
 from study.cases.library import load_case
 from study.cases.published import claims, papers, tables
-from study.cli.main import app
 from study.cli import reproduce as command
+from study.cli.main import app
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import Meter
