@@ -16,6 +16,8 @@ from pathlib import Path
 
 ALWAYS = ("study.judge",)
 OURS = ("study", "baselines")
+EXEMPT = frozenset({"study.search.compiled"})
+"""Modules that cannot change a result: compiled variants with the same bits as the NumPy code that they stand for."""
 
 
 @cache
@@ -31,7 +33,7 @@ def code_digest(module: str) -> str:
     waiting, seen = [module, *ALWAYS], set[str]()
     while waiting:
         name = waiting.pop()
-        if name in seen or name.partition(".")[0] not in packages or _source(name) is None:
+        if name in seen | EXEMPT or name.partition(".")[0] not in packages or _source(name) is None:
             continue
         seen.add(name)
         waiting += [*_imports(name), name.rpartition(".")[0]]  # a module runs its package's file first

@@ -61,9 +61,9 @@ class Penalty:
         worst = self.problem.n_segments * self.problem.duration_bounds[1]
         return self.curve.penalty(durations, factor, worst)
 
-    def realise(self, durations: Floats) -> Floats:
+    def durations(self, candidates: Floats) -> Floats:
         """Durations to drive, shape (n_candidates, n_segments), s: the candidates themselves."""
-        return durations
+        return candidates
 
 
 @dataclass(frozen=True)
@@ -81,9 +81,9 @@ class Scaled:
         """Objective of every candidate, shape (n_candidates,), s."""
         return durations.sum(axis=1) * self._factors(durations)
 
-    def realise(self, durations: Floats) -> Floats:
+    def durations(self, candidates: Floats) -> Floats:
         """Durations to drive, shape (n_candidates, n_segments), s: the candidates, stretched or shortened."""
-        return durations * self._factors(durations)[:, None]
+        return candidates * self._factors(candidates)[:, None]
 
 
 Formulation = Penalty | Scaled

@@ -166,6 +166,17 @@ def test_the_digest_does_not_depend_on_where_the_package_stands_or_how_its_lines
     assert fresh_digest("strange.planner") == before
 
 
+@pytest.mark.parametrize(
+    ("edited", "matters"),
+    [("study.search.compiled", False), ("study.search.pso", True), ("study.curves.compiled.peaks", True)],
+)
+def test_compiled_searches_give_the_same_bits_and_so_are_no_part_of_a_version(edited, matters, monkeypatch):
+    module = sys.modules[code_digest.__module__]
+    real, before = module._file_digest, code_digest("study.planners.woodworking")
+    monkeypatch.setattr(module, "_file_digest", lambda name: "edited" if name == edited else real(name))
+    assert (code_digest.__wrapped__("study.planners.woodworking") != before) == matters
+
+
 def test_planners_that_share_nothing_have_versions_of_their_own():
     versions = {name: planner_code(name) for name in ("pso", "toppra", "ruckig-stops", "casadi-nlp")}
     assert len(set(versions.values())) == 4

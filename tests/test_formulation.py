@@ -8,8 +8,9 @@ from study.curves import CURVES
 from study.formulation import Penalty, Scaled, formulation_named, stretch
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Meter, RunSettings, Status
-from study.search.loop import Box, minimise
+from study.search.loop import minimise
 from study.search.pso import PSO
+from study.search.state import Box
 
 BINDING = {
     "velocity": {"velocity": [1.0, 1.0], "acceleration": [1e4, 1e4], "jerk": [1e6, 1e6]},
@@ -42,7 +43,7 @@ def test_scaled_is_invariant_to_a_common_factor_and_honours_the_shortest_duratio
     h = np.array([[0.3, 0.4, 0.5]])
     assert scaled(h * 7) == pytest.approx(scaled(h))
     crawl = Scaled(Problem("p", case.waypoints, JointLimits([1e9, 1e9]), duration_bounds=(0.5, 9.0)), CURVES["poly353"])
-    assert crawl.realise(h)[0] == pytest.approx([0.5, 0.5 * 4 / 3, 0.5 * 5 / 3])
+    assert crawl.durations(h)[0] == pytest.approx([0.5, 0.5 * 4 / 3, 0.5 * 5 / 3])
 
 
 def test_penalty_never_ranks_infeasible_above_feasible():
@@ -53,7 +54,7 @@ def test_penalty_never_ranks_infeasible_above_feasible():
     assert not feasible.all()
     assert values[feasible].max() < values[~feasible].min()
     assert values[feasible] == pytest.approx(durations[feasible].sum(axis=1))
-    assert Penalty(case, curve).realise(durations) is durations
+    assert Penalty(case, curve).durations(durations) is durations
 
 
 def test_unknown_names_get_a_hint():
@@ -91,7 +92,7 @@ def test_per_joint_takes_the_longest_duration_of_every_segment():
         objective = Scaled(case.joint(j), CURVES["poly353"])
         meter = Meter(objective, 900)
         minimise(PSO(), meter, Box(np.full(3, 0.05), np.full(3, 20.0)), 30, np.random.default_rng(stream))
-        alone.append(objective.realise(meter.incumbents[-1:])[0])
+        alone.append(objective.durations(meter.incumbents[-1:])[0])
     assert plan.durations == pytest.approx(np.max(alone, axis=0))
 
 

@@ -113,7 +113,7 @@ def enclose_curve(problem: Problem, curve: str, *, seed: int, time_limit: float,
         return certify(problem, seed=seed, time_limit=time_limit)
     durations = _optimum(problem, curve, seed, time_limit)
     if not np.isfinite(durations).all():
-        durations = Scaled(problem, curve_named(curve)).realise(np.ones((1, problem.n_segments)))[0]
+        durations = Scaled(problem, curve_named(curve)).durations(np.ones((1, problem.n_segments)))[0]
     upper = float(durations.sum())
     if curve == "bspline":
         lower, boxes = velocity_bound(problem), 1
@@ -154,7 +154,7 @@ def certify(problem: Problem, *, seed: int = 0, time_limit: float = 60.0) -> Cer
         bounds, value, bounds.box(upper), upper, gap=GAP, deadline=began + time_limit, most=MOST_BOXES
     )
     if found.point is not None:
-        durations = scaled.realise(bounds.durations(found.point[None]))[0]
+        durations = scaled.durations(bounds.durations(found.point[None]))[0]
     return Certificate(found.lower, float(durations.sum()), durations, found.boxes, found.finished)
 
 
@@ -162,7 +162,7 @@ def _reachable(problem: Problem, scaled: Scaled, seed: int, time_limit: float) -
     """Feasible durations: the NLP's answer, or equal ones where it has none."""
     answer = _optimum(problem, "poly353", seed, time_limit / 2)
     candidate = answer if np.isfinite(answer).all() else np.ones(3)
-    return np.asarray(scaled.realise(candidate[None])[0])
+    return np.asarray(scaled.durations(candidate[None])[0])
 
 
 def _optimum(problem: Problem, curve: str, seed: int, time_limit: float) -> Floats:

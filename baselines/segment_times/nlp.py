@@ -116,7 +116,7 @@ def optimise(
     exchange = Exchange(transcription, problem, scales, began + time_limit, time_limit)
     found = _from_each(exchange, guesses)
     answer = _answer(exchange, found, curve, time.perf_counter() - began)
-    return _not_above(answer, Scaled(problem, family).realise(np.array(guesses)))
+    return _not_above(answer, Scaled(problem, family).durations(np.array(guesses)))
 
 
 def _from_each(exchange: Exchange, guesses: Iterable[Floats]) -> list[Optimum]:

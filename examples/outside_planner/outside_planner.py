@@ -12,7 +12,7 @@ from study.formulation import Scaled
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Plan, RunSettings, Status
 from study.problem import Floats, Problem
-from study.search.loop import Box, State
+from study.search.state import Box, State
 
 
 class ChordRule:
@@ -26,7 +26,7 @@ class ChordRule:
         curve = curve_named(settings.curve)
         rule = np.abs(np.diff(problem.waypoints, axis=0) / problem.limits.velocity).max(axis=1)
         durations = np.maximum(rule, 1e-3 * rule.max()) if rule.any() else np.ones(problem.n_segments)
-        durations = Scaled(problem, curve).realise(durations[None])[0]
+        durations = Scaled(problem, curve).durations(durations[None])[0]
         motion = curve.motion(problem.waypoints, durations)
         return Plan(Status.FINISHED, motion=motion, durations=durations)
 

@@ -13,7 +13,8 @@ from study.errors import StudyError
 from study.planners.segment_times import SegmentTimePlanner, plan_segment_times
 from study.problem import Floats
 from study.registry import planner_named
-from study.search.loop import Box, Search, minimise
+from study.search.loop import minimise
+from study.search.state import Box, Search
 from study.store.results import Result
 
 

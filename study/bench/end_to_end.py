@@ -16,14 +16,13 @@ import numpy as np
 from study.bench import papers_way, peers
 from study.bench.measuring import Call, Ratio, interleaved, missing
 from study.cases.library import load_case
-from study.curves import curve_named, engine
+from study.curves import compiled, curve_named
 from study.formulation import Penalty
-from study.planners.plain import PSO_STANDARD
+from study.planners.other_searches import PSO_STANDARD
 from study.planning import Meter
 from study.problem import Problem
-from study.search.batch import minimise_many
-from study.search.engine import with_engine
-from study.search.loop import Box, minimise
+from study.search.loop import minimise, minimise_many, with_engine
+from study.search.state import Box
 
 TOPIC = "End to end"
 CASE = "woodworking"
@@ -41,7 +40,7 @@ TOGETHER = 30
 def end_to_end_rows(repetitions: int) -> list[Ratio]:
     """Measure one run, and thirty runs as one batch, next to each peer."""
     problem = load_case(CASE).problem
-    objective = Penalty(problem, engine.with_engine(curve_named("poly353")))
+    objective = Penalty(problem, compiled.with_engine(curve_named("poly353")))
     box = Box(*(np.full(problem.n_segments, bound) for bound in problem.duration_bounds))
     calls: dict[str, Call] = {"one run": partial(_alone, objective, box), "30 runs": partial(_together, objective, box)}
     counts = {"one run": POPULATION * GENERATIONS, "30 runs": POPULATION * GENERATIONS * TOGETHER}

@@ -7,10 +7,11 @@ from functools import partial
 
 import numpy as np
 
+from study import engine
 from study.bench import papers_way
 from study.bench.measuring import Call, Ratio, interleaved
-from study.curves import CURVES, engine
-from study.curves.engine import with_engine
+from study.curves import CURVES
+from study.curves.compiled import with_engine
 from study.problem import Floats
 
 TOPIC = "Kernels"

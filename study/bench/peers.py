@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from study.problem import Floats
-from study.search.loop import Box
+from study.search.state import Box
 
 Objective = Callable[[Floats], Floats]
 MEALPY = {"pso": "PSO", "de": "DE", "woa": "WOA", "sma": "SMA", "sca": "SCA", "ssa": "SSA"}

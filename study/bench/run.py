@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from study import engine
 from study.bench.end_to_end import end_to_end_rows
 from study.bench.growth import Point, growth_points
 from study.bench.kernels import kernel_rows
@@ -18,7 +19,6 @@ from study.bench.measuring import Limit, Ratio
 from study.bench.output import output_rows
 from study.bench.references import reference_rows
 from study.bench.searches import search_rows
-from study.curves import engine
 from study.errors import StudyError
 from study.runs.environment import environment
 
@@ -81,7 +81,7 @@ def measure(quick: bool, told: Told) -> Bench:
 def _compile_seconds() -> dict[str, float]:
     if not engine.installed():
         return {}
-    from study.curves.compiled import warm_up  # here: it imports numba
+    from study.curves.compiled.peaks import warm_up  # here: it imports numba
 
     return warm_up()
 

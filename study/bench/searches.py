@@ -9,13 +9,12 @@ import numpy as np
 
 from study.bench import peers
 from study.bench.measuring import Call, Limit, Ratio, interleaved, missing
-from study.planners import aubo, opponents, plain, puma, smwoa, sparrow, woodworking
+from study.planners import aubo, other_searches, puma, smwoa, sparrow, woodworking
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Meter
 from study.problem import Floats
-from study.search.batch import minimise_many
-from study.search.engine import with_engine
-from study.search.loop import Box, SideBySide, minimise
+from study.search.loop import minimise, minimise_many, with_engine
+from study.search.state import BatchedSearch, Box
 
 TOPIC = "Search overhead"
 POPULATION, DIMENSIONS = 100, 5
@@ -28,15 +27,15 @@ TOGETHER = 30
 MOST = 1e-6
 TARGETS = {"mealpy": 20.0, "pymoo": 20.0, "niapy": 20.0, "pyswarms": 2.0}
 SEARCHES: dict[str, SegmentTimePlanner] = {
-    "pso": plain.PSO_STANDARD,
+    "pso": other_searches.PSO_STANDARD,
     "de": smwoa.DE_PLANNER,
     "woa": smwoa.WOA_PLANNER,
     "sma": smwoa.SMA_PLANNER,
-    "sca": opponents.SCA_PLANNER,
+    "sca": other_searches.SCA_PLANNER,
     "ssa": sparrow.SSA_PLANNER,
     "smwoa": smwoa.SMWOA_PLANNER,
     "gsa": smwoa.GSA_PLANNER,
-    "stoa": opponents.STOA_PLANNER,
+    "stoa": other_searches.STOA_PLANNER,
     "golds-pso": woodworking.GOLDS_PSO,
     "gold-sa": woodworking.GOLD_SA,
     "cfpso": woodworking.CF_PSO,
@@ -86,7 +85,7 @@ def search_rows(repetitions: int) -> list[Ratio | Limit]:
     with peers.quiet():
         for name, planner in SEARCHES.items():
             calls = {name: ours(name)}
-            if isinstance(planner.search, SideBySide):
+            if isinstance(planner.search, BatchedSearch):
                 calls[f"{name}, {TOGETHER} runs as one batch"] = together(name)
             rows += _rows(calls, _peers(name), repetitions)
     absent = [peer for peer in TARGETS if not peers.installed(peer)]

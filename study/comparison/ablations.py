@@ -22,9 +22,9 @@ from study.comparison.trials import Job, Trial
 from study.search.chaotic_spso import ChaoticSPSO
 from study.search.dynamic_adaptive_pso import DynamicAdaptivePSO
 from study.search.golds_pso import GoldSPSO
-from study.search.loop import Search
 from study.search.smwoa import SMWOA
 from study.search.ssa import SSA
+from study.search.state import Search
 
 PLAIN, WHOLE = "plain", "all together"
 FUNCTIONS = ("sphere", "rastrigin")

@@ -21,7 +21,7 @@ from study.comparison.effort import Effort
 from study.comparison.trials import Job, Outcome, Trial
 from study.planners.segment_times import SegmentTimePlanner
 from study.registry import planner_named, planner_names, unavailable_planners
-from study.search.loop import Search
+from study.search.state import Search
 
 ALARM = 10.0
 FLOOR = 1e-8

@@ -18,7 +18,7 @@ from study.comparison.effort import FULL
 from study.comparison.trials import Job, Trial
 from study.comparison.trialstore import TrialStore, key_of
 from study.problem import Problem
-from study.search.loop import Search
+from study.search.state import Search
 
 Task = tuple[Problem | None, str]
 """Problem, none for a function, and curve."""

@@ -16,7 +16,7 @@ from study.curves import curve_named
 from study.errors import unknown
 from study.formulation import formulation_named
 from study.problem import Floats, Problem
-from study.search.loop import Box
+from study.search.state import Box
 from study.testfunctions import Benchmark, benchmarks_of
 from study.testfunctions.benchmark import random_rotation, rotated, shifted
 

@@ -12,8 +12,8 @@ import numpy as np
 from study.comparison.tasks import Task, function_task, trajectory_task
 from study.planning import Meter
 from study.problem import Floats, Problem
-from study.search.batch import minimise_many
-from study.search.loop import Search, minimise
+from study.search.loop import minimise, minimise_many
+from study.search.state import Search
 
 
 @dataclass(frozen=True)

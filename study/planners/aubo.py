@@ -11,13 +11,15 @@ from dataclasses import replace
 
 from study.planners.segment_times import SegmentTimePlanner
 from study.search.dynamic_adaptive_pso import DynamicAdaptivePSO
-from study.search.pso import Flight
+from study.search.pso import VelocityUpdate
 
 _SEARCH = DynamicAdaptivePSO(
     inertia=(0.9, 0.1),  # Section 4.3: w_max, w_min
     learning=(2.5, 1.5),  # Section 4.3: c_max, c_min
     one_number=True,  # eq. (15): rand(Pop, 1)
-    flight=Flight(clamp=4.0, unit="absolute", bounds="clip"),  # Section 4.3: velocities in [-4, 4]; bounds rule ours
+    velocity=VelocityUpdate(
+        clamp=4.0, unit="absolute", bounds="clip"
+    ),  # Section 4.3: velocities in [-4, 4]; bounds rule ours
 )
 
 DYNAMIC_ADAPTIVE_PSO = SegmentTimePlanner(_SEARCH)

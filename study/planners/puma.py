@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from study.planners.segment_times import SegmentTimePlanner
 from study.search.chaotic_spso import ChaoticSPSO
-from study.search.pso import Flight
+from study.search.pso import VelocityUpdate
 
 _SEARCH = ChaoticSPSO(
     inertia=(0.9, 0.4),  # ours: Section 3.3.2 names w_max and w_min, no values
@@ -19,7 +19,7 @@ _SEARCH = ChaoticSPSO(
     stage=0.6,  # Section 3.3.2
     cognitive=(2.5, 0.5),  # Section 3.3.2: c1 start, end
     social=(0.5, 2.5),  # Section 3.3.2: c2 start, end
-    flight=Flight(clamp=0.2, unit="share", bounds="clip"),  # ours
+    velocity=VelocityUpdate(clamp=0.2, unit="share", bounds="clip"),  # ours
 )
 
 CHAOTIC_SPSO = SegmentTimePlanner(_SEARCH)

@@ -10,12 +10,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from study.curves import curve_named
-from study.curves.engine import with_engine
+from study.curves.compiled import with_engine
 from study.errors import unknown
 from study.formulation import formulation_named
 from study.planning import Meter, Plan, RunSettings, Status
 from study.problem import Floats, Problem
-from study.search.loop import Box, Search, minimise
+from study.search.loop import minimise
+from study.search.state import Box, Search
 
 Drive = Callable[[Meter, Box, int, np.random.Generator], object]
 """Spend a meter's budget inside a box, given a population size and a generator."""
@@ -117,7 +118,7 @@ def _search(drive: Drive, problem: Problem, settings: RunSettings, stream: np.ra
     drive(meter, box, settings.population, np.random.default_rng(stream))
     counts, values = meter.history.T
     found = meter.incumbent is not None
-    return _Run(found, meter.evaluations, counts, values, formulation.realise(meter.incumbents))
+    return _Run(found, meter.evaluations, counts, values, formulation.durations(meter.incumbents))
 
 
 def _synchronised_history(runs: list[_Run]) -> Floats:

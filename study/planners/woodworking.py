@@ -15,7 +15,7 @@ from study.planners.segment_times import SegmentTimePlanner
 from study.search.cfpso import CFPSO
 from study.search.gold_sa import GoldSA
 from study.search.golds_pso import GoldSPSO
-from study.search.pso import PSO, Flight
+from study.search.pso import PSO, VelocityUpdate
 from study.search.simple_pso import SimplePSO
 
 _GOLDS_PSO = GoldSPSO(
@@ -37,14 +37,16 @@ PSO_BASIC = SegmentTimePlanner(
         inertia=(1.0, 1.0),  # Section 2.3: the basic PSO has w = 1
         cognitive=1.49445,  # ours: not printed, explains Table 3
         social=1.49445,
-        flight=Flight(clamp=3.0, unit="absolute", bounds="clip"),  # clamp ours (explains Table 3), box from Section 3.2
+        velocity=VelocityUpdate(
+            clamp=3.0, unit="absolute", bounds="clip"
+        ),  # clamp ours (explains Table 3), box from Section 3.2
     )
 )
 CF_PSO = SegmentTimePlanner(
     CFPSO(
         cognitive=2.05,  # Clerc and Kennedy 2002
         social=2.05,
-        flight=Flight(clamp=0.5, unit="share", bounds="clip"),  # Eberhart and Shi 2000; bounds rule ours
+        velocity=VelocityUpdate(clamp=0.5, unit="share", bounds="clip"),  # Eberhart and Shi 2000; bounds rule ours
     )
 )
 SIMPLE_PSO = SegmentTimePlanner(

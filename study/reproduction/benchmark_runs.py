@@ -12,7 +12,8 @@ import numpy as np
 from study.planning import Meter
 from study.problem import Floats
 from study.reproduction.jobs import Record
-from study.search.loop import Box, Search, minimise
+from study.search.loop import minimise
+from study.search.state import Box, Search
 from study.testfunctions import Benchmark, benchmarks_of, formulas
 
 POINTS = 80

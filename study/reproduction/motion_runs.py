@@ -17,7 +17,7 @@ from study.problem import Floats, Problem
 from study.registry import planner_named
 from study.reproduction.benchmark_runs import settled_at, thinned
 from study.reproduction.jobs import Record
-from study.search.loop import Search
+from study.search.state import Search
 from study.trajectory import Motion
 
 REFERENCE = "casadi-nlp"

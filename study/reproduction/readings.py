@@ -16,12 +16,12 @@ from study.search.de import DE
 from study.search.gold_sa import GoldSA
 from study.search.golds_pso import GoldSPSO
 from study.search.gsa import GSA
-from study.search.loop import Search
-from study.search.pso import PSO, Flight
+from study.search.pso import PSO, VelocityUpdate
 from study.search.sca import SCA
 from study.search.simple_pso import SimplePSO
 from study.search.sma import SMA
 from study.search.smwoa import SMWOA
+from study.search.state import Search
 from study.search.stoa import STOA
 from study.search.woa import WOA
 
@@ -44,7 +44,7 @@ class Reading:
 
 
 def _basic_pso(clamp: float) -> PSO:
-    return PSO((1.0, 1.0), 1.49445, 1.49445, Flight(clamp, "absolute", "free"))
+    return PSO((1.0, 1.0), 1.49445, 1.49445, VelocityUpdate(clamp, "absolute", "free"))
 
 
 TEXTBOOK = Reading("standard", PSO(), "textbook: w 0.9 to 0.4, c = 2, clamp 0.2 of the box, clipped")
@@ -60,7 +60,7 @@ READINGS: dict[str, dict[str, tuple[Reading, ...]]] = {
         "CFPSO": (
             Reading(
                 "factor on inertia only",
-                CFPSO(inertia_only=True, flight=Flight(3.0, "absolute", "clip")),
+                CFPSO(inertia_only=True, velocity=VelocityUpdate(3.0, "absolute", "clip")),
                 "0.7298 on the old velocity alone, c = 2.05, absolute clamp 3: ours, nothing is printed",
             ),
             Reading("standard", CFPSO(), "Clerc and Kennedy: the factor on the whole velocity"),

@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
-from study.curves.engine import chosen
+from study.engine import chosen
 from study.errors import StudyError
 from study.registry import planner_code, planner_names, unavailable_planners
 

@@ -6,7 +6,7 @@ import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
-from study.curves.engine import described
+from study.engine import described
 
 PACKAGES = ("time-optimal-study", "numpy", "scipy", "casadi", "toppra", "ruckig", "rerun-sdk", "numba")
 

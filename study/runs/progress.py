@@ -53,7 +53,7 @@ class _Reporter:
             self.last = time.monotonic()
 
     def _progress(self) -> Progress:
-        driven = [formulation.realise(incumbent[None])[0] for formulation, incumbent, _ in self.seen.values()]
+        driven = [formulation.durations(incumbent[None])[0] for formulation, incumbent, _ in self.seen.values()]
         candidates = tuple(candidates.copy() for _, _, candidates in self.seen.values())
         return Progress(sum(meter.evaluations for meter in self.seen), np.max(driven, axis=0), candidates)
 

@@ -13,11 +13,11 @@ import numpy as np
 
 from study.errors import StudyError
 from study.problem import Floats
-from study.search.draws import Rng
-from study.search.loop import Box, SideBySide
-from study.search.pso import Flight, SwarmState, flown, swarm_at_rest, uniform_population
+from study.search.batched_rng import Rng
+from study.search.pso import SwarmState, VelocityUpdate, moved_swarm, swarm_at_rest
+from study.search.state import BatchedSearch, Box, uniform_population
 
-FLIGHT = Flight(clamp=0.5)
+VELOCITY = VelocityUpdate(clamp=0.5)
 
 
 def constriction(phi: float) -> float:
@@ -26,7 +26,7 @@ def constriction(phi: float) -> float:
 
 
 @dataclass(frozen=True)
-class CFPSO(SideBySide):
+class CFPSO(BatchedSearch[SwarmState]):
     """Particle swarm whose whole velocity is multiplied by the constriction factor.
 
     Attributes
@@ -36,7 +36,7 @@ class CFPSO(SideBySide):
     inertia_only : bool
         Apply the factor to the old velocity alone: no algorithm of that name, yet it explains the woodworking paper's
         Table 3 (with an absolute clamp of 3).
-    flight : Flight
+    velocity : VelocityUpdate
         Clamp and bounds rule; half the box's width after Eberhart and Shi 2000, `clip` is ours. Without a clamp, `clip`
         traps coordinates on the walls of a 30-dimensional box.
 
@@ -49,7 +49,7 @@ class CFPSO(SideBySide):
     cognitive: float = 2.05
     social: float = 2.05
     inertia_only: bool = False
-    flight: Flight = FLIGHT
+    velocity: VelocityUpdate = VELOCITY
 
     def __post_init__(self) -> None:
         if self.cognitive + self.social <= 4:
@@ -66,7 +66,7 @@ class CFPSO(SideBySide):
         """Move every particle."""
         chi = constriction(self.cognitive + self.social)
         pull = 1.0 if self.inertia_only else chi
-        return flown(state, rng, (chi, pull * self.cognitive, pull * self.social), self.flight)
+        return moved_swarm(state, rng, (chi, pull * self.cognitive, pull * self.social), self.velocity)
 
     def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
         """Remember what was better."""

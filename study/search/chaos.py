@@ -14,7 +14,7 @@ import numpy as np
 
 from study.errors import unknown
 from study.problem import Floats
-from study.search.loop import Box
+from study.search.state import Box
 
 DIRECTIONS = ("dimensions", "population")
 N_BINS = 10

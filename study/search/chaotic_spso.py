@@ -16,17 +16,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats
+from study.search.batched_rng import Rng
 from study.search.chaos import MAPS, chaotic_population
-from study.search.draws import Rng
-from study.search.loop import Box, SideBySide
-from study.search.pso import Flight, Scalars, SwarmState, flown, linear, swarm_at_rest, uniform_population
+from study.search.pso import Scalars, SwarmState, VelocityUpdate, linear, moved_swarm, swarm_at_rest
 from study.search.reading import is_printed
+from study.search.state import BatchedSearch, Box, uniform_population
 
-FLIGHT = Flight()
+VELOCITY = VelocityUpdate()
 
 
 @dataclass(frozen=True)
-class ChaoticSPSO(SideBySide):
+class ChaoticSPSO(BatchedSearch[SwarmState]):
     """Particle swarm with three switchable novelties.
 
     Attributes
@@ -45,7 +45,7 @@ class ChaoticSPSO(SideBySide):
         Let c1 fall and c2 grow; otherwise both are `fixed`.
     fixed : float
         Learning factor without asynchrony. Ours: the textbook's 2.
-    flight : Flight
+    velocity : VelocityUpdate
         Clamp and bounds rule. Ours: the paper prints neither.
     reading : str
         `standard`: the inertia falls linearly from w_max to w_min. `as-printed`: the two branches.
@@ -64,7 +64,7 @@ class ChaoticSPSO(SideBySide):
     chaotic_start: bool = True
     asynchronous: bool = True
     fixed: float = 2.0
-    flight: Flight = FLIGHT
+    velocity: VelocityUpdate = VELOCITY
     reading: str = "standard"
 
     def __post_init__(self) -> None:
@@ -95,7 +95,7 @@ class ChaoticSPSO(SideBySide):
         c1, c2 = self.fixed, self.fixed
         if self.asynchronous:
             c1, c2 = linear(self.cognitive, state.progress), linear(self.social, state.progress)
-        return flown(state, rng, (w, c1, c2), self.flight)
+        return moved_swarm(state, rng, (w, c1, c2), self.velocity)
 
     def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
         """Remember what was better."""

@@ -2,11 +2,12 @@
 
 References
 ----------
-Hansen and Ostermeier (2001). None of the papers compares with it; it is our opponent.
+Hansen and Ostermeier (2001). None of the papers compares with it.
 """
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,29 +15,25 @@ import numpy as np
 
 from study.errors import StudyError
 from study.problem import Floats
-from study.search.loop import Box, State
+from study.search.state import Box, State
 
 SMALLEST_POPULATION = 4
 
 
 @dataclass(frozen=True, eq=False)
 class CMAState(State):
-    """The package's optimiser, an object that changes as it is asked and told, and what it asked for.
+    """State of the package's optimiser.
 
     Attributes
     ----------
     optimiser : cmaes.CMA
+        Never changed in place: `ask` and `tell` of the search change a copy.
     fractions : array of shape (n_candidates, n_dimensions)
         The candidates as fractions of the box.
     """
 
     optimiser: Any
     fractions: Floats
-
-    def asked(self) -> CMAState:
-        """Take the optimiser's next population."""
-        fractions = np.array([self.optimiser.ask() for _ in range(self.optimiser.population_size)])
-        return replace(self, fractions=fractions, candidates=self.box.at(fractions))
 
 
 @dataclass(frozen=True)
@@ -66,22 +63,27 @@ class CMAES:
             )
         centre = np.full(len(box.lower), 0.5)
         optimiser = self._optimiser(centre, population, rng)
-        return CMAState(
-            box, box.at(centre)[None], generations, 0, box.at(centre), np.inf, optimiser, centre[None]
-        ).asked()
+        return _sampled(CMAState(box, box.at(centre)[None], generations, 0, box.at(centre), np.inf, optimiser, centre))
 
     def ask(self, state: CMAState, rng: np.random.Generator) -> CMAState:
         """Sample the next population, after a restart from a random mean where the package says so."""
         if state.optimiser.should_stop():
             mean = rng.random(len(state.box.lower))
             state = replace(state, optimiser=self._optimiser(mean, state.optimiser.population_size, rng))
-        return state.asked()
+        return _sampled(state)
 
     def tell(self, state: CMAState, values: Floats, rng: np.random.Generator) -> CMAState:
         """Adapt the distribution."""
-        state.optimiser.tell(list(zip(state.fractions, values.tolist(), strict=True)))
+        optimiser = _copied(state.optimiser)
+        optimiser.tell(list(zip(state.fractions, values.tolist(), strict=True)))
         incumbent, value = state.improved(values)
-        return replace(state, incumbent=incumbent, incumbent_value=value, generation=state.generation + 1)
+        return replace(
+            state,
+            optimiser=optimiser,
+            incumbent=incumbent,
+            incumbent_value=value,
+            generation=state.generation + 1,
+        )
 
     def _optimiser(self, mean: Floats, population: int, rng: np.random.Generator) -> Any:
         try:
@@ -93,3 +95,17 @@ class CMAES:
         bounds = np.tile([0.0, 1.0], (len(mean), 1))
         seed = int(rng.integers(2**31))
         return CMA(mean=mean, sigma=self.sigma, bounds=bounds, seed=seed, population_size=population)
+
+
+def _copied(optimiser: Any) -> Any:
+    """Copy the package's optimiser with its random numbers, which its own pickling leaves out."""
+    copy = object.__new__(type(optimiser))
+    copy.__dict__.update(deepcopy(vars(optimiser)))
+    return copy
+
+
+def _sampled(state: CMAState) -> CMAState:
+    """Take the next population of the state's optimiser."""
+    optimiser = _copied(state.optimiser)
+    fractions = np.array([optimiser.ask() for _ in range(optimiser.population_size)])
+    return replace(state, optimiser=optimiser, fractions=fractions, candidates=state.box.at(fractions))

@@ -1,6 +1,7 @@
-"""Compiled twins of what moves candidates: the same numbers to the last bit; importing this file imports numba.
+"""Compiled variants of searches, with the same bits as NumPy; importing this file imports numba.
 
-For the steps that NumPy is slow at: many small arrays, and more numbers than the cache holds.
+Only for steps in which NumPy is slow: many small arrays, and more numbers than the cache holds. `study.code_digest` leaves
+this file out, because the same bits make the same results.
 """
 
 from __future__ import annotations
@@ -10,45 +11,45 @@ from typing import Any
 
 import numpy as np
 
-from study.curves.kernels import exact
+from study.curves.compiled.kernels import exact
 from study.problem import Floats
-from study.search.bounds import Moved, walls
+from study.search.bounds import Moved, population_bounds
 from study.search.gsa import GSA
-from study.search.loop import Search
 from study.search.population import PopulationState
-from study.search.pso import Flight, SwarmState, Weights, clamps
+from study.search.pso import SwarmState, VelocityUpdate, Weights, velocity_bounds
 from study.search.sca import SCA
+from study.search.state import Search
 
 EPS = np.finfo(float).eps
 
 
-def twin(search: Search[Any]) -> Search[Any]:
-    """Give a search its compiled steps; one without any comes back as it is."""
-    if type(search) in OWN:
-        return OWN[type(search)](**vars(search))
-    if is_dataclass(search) and type(getattr(search, "flight", None)) is Flight:
-        return replace(search, flight=CompiledFlight(**vars(search.flight)))
+def compiled_variant(search: Search[Any]) -> Search[Any]:
+    """Search with compiled steps; the same search where no step is compiled."""
+    if type(search) in VARIANTS:
+        return VARIANTS[type(search)](**vars(search))
+    if is_dataclass(search) and type(getattr(search, "velocity", None)) is VelocityUpdate:
+        return replace(search, velocity=CompiledVelocityUpdate(**vars(search.velocity)))
     return search
 
 
-class CompiledFlight(Flight):
-    """Moves one swarm that is clipped at the walls in one pass; leaves others to NumPy."""
+class CompiledVelocityUpdate(VelocityUpdate):
+    """Velocity update of one swarm that is clipped at its bounds, in one pass; other swarms are left to NumPy."""
 
     def moved(self, state: SwarmState, weights: Weights, draws: Floats) -> Moved:
-        """See `study.search.pso.Flight.moved`."""
+        """See `study.search.pso.VelocityUpdate.moved`."""
         x = state.candidates
         if x.ndim > 2 or self.bounds != "clip":
             return super().moved(state, weights, draws)
         swarm = x, state.velocities, state.own_best, state.incumbent
         w, c1, c2 = weights
-        ends = *clamps(self, state.box, x.shape), *walls(state.box, x.shape)
+        ends = *velocity_bounds(self, state.box, x.shape), *population_bounds(state.box, x.shape)
         v, moved = np.empty(x.shape), np.empty(x.shape)
-        _fly(swarm, draws, (float(w), float(c1), float(c2)), ends, v, moved)
+        _update(swarm, draws, (float(w), float(c1), float(c2)), ends, v, moved)
         return moved, v
 
 
 @exact
-def _fly(
+def _update(
     swarm: tuple[Floats, Floats, Floats, Floats],
     draws: Floats,
     weights: tuple[float, float, float],
@@ -68,7 +69,7 @@ def _fly(
 
 
 class CompiledGSA(GSA):
-    """Pulls masses with one pass for each puller."""
+    """Gravitational search with one pass for each attracting mass."""
 
     @staticmethod
     def attraction(columns: Floats, pullers: Floats, masses: Floats, weights: Floats) -> Floats:
@@ -96,7 +97,7 @@ def _attract(columns: Floats, pullers: Floats, masses: Floats, weights: Floats, 
 
 
 class CompiledSCA(SCA):
-    """Swings one population that is clipped at the walls in one pass; leaves others to NumPy."""
+    """Sine cosine algorithm for one population that is clipped at its bounds, in one pass; others are left to NumPy."""
 
     def moved(self, state: PopulationState, swing: Floats, r3: Floats) -> Floats:
         """See `study.search.sca.SCA.moved`."""
@@ -104,7 +105,7 @@ class CompiledSCA(SCA):
         if x.ndim > 2 or self.bounds != "clip":
             return super().moved(state, swing, r3)
         moved = np.empty(x.shape)
-        _swing(x, state.incumbent, swing, r3, walls(state.box, x.shape), moved)
+        _swing(x, state.incumbent, swing, r3, population_bounds(state.box, x.shape), moved)
         return moved
 
 
@@ -117,4 +118,4 @@ def _swing(x: Floats, incumbent: Floats, swing: Floats, r3: Floats, ends: tuple[
             moved[i, j] = min(max(to, lower[i, j]), upper[i, j])
 
 
-OWN: dict[type, type] = {GSA: CompiledGSA, SCA: CompiledSCA}
+VARIANTS: dict[type, type] = {GSA: CompiledGSA, SCA: CompiledSCA}

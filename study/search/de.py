@@ -14,16 +14,16 @@ import numpy as np
 
 from study.errors import StudyError
 from study.problem import Floats
+from study.search.batched_rng import Rng, members_at
 from study.search.bounds import brought_back
-from study.search.draws import Rng, members_at
-from study.search.loop import Box, SideBySide, evolved
 from study.search.population import PopulationState, check_share, spread_population
+from study.search.state import BatchedSearch, Box, evolved
 
 SMALLEST_POPULATION = 4
 
 
 @dataclass(frozen=True)
-class DE(SideBySide):
+class DE(BatchedSearch[PopulationState]):
     """Mutate by the difference of two random members, cross over with the parent, keep the better.
 
     Attributes

@@ -15,16 +15,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats
-from study.search.draws import Rng
-from study.search.loop import Box, SideBySide
-from study.search.pso import Flight, SwarmState, flown, linear, new_swarm
+from study.search.batched_rng import Rng
+from study.search.pso import SwarmState, VelocityUpdate, linear, moved_swarm, new_swarm
 from study.search.reading import is_printed
+from study.search.state import BatchedSearch, Box
 
-FLIGHT = Flight(clamp=4.0, unit="absolute")  # Section 4.3
+VELOCITY = VelocityUpdate(clamp=4.0, unit="absolute")  # Section 4.3
 
 
 @dataclass(frozen=True)
-class DynamicAdaptivePSO(SideBySide):
+class DynamicAdaptivePSO(BatchedSearch[SwarmState]):
     """Particle swarm with scheduled inertia and learning factors.
 
     Attributes
@@ -35,7 +35,7 @@ class DynamicAdaptivePSO(SideBySide):
         c_max and c_min (Section 4.3).
     one_number : bool
         Eq. (15) draws one number per particle, so all start on a diagonal of the box; without it, one per coordinate.
-    flight : Flight
+    velocity : VelocityUpdate
         Velocities within [-4, 4] (Section 4.3), twice the width of the paper's box; the bounds rule is ours.
     reading : str
         `standard`: w falls, c1 falls from c_max to c_min, positions start inside the box. `as-printed`: w grows, c1 stays
@@ -50,7 +50,7 @@ class DynamicAdaptivePSO(SideBySide):
     inertia: tuple[float, float] = (0.9, 0.1)
     learning: tuple[float, float] = (2.5, 1.5)
     one_number: bool = True
-    flight: Flight = FLIGHT
+    velocity: VelocityUpdate = VELOCITY
     reading: str = "standard"
 
     def __post_init__(self) -> None:
@@ -78,7 +78,7 @@ class DynamicAdaptivePSO(SideBySide):
 
     def ask(self, state: SwarmState, rng: Rng) -> SwarmState:
         """Move every particle, Eq. (11)."""
-        return flown(state, rng, self.weights(state), self.flight)
+        return moved_swarm(state, rng, self.weights(state), self.velocity)
 
     def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
         """Remember what was better."""

@@ -13,18 +13,14 @@ Woodworking paper, Eqs. (25)-(28), which shows the initial a and b only; Tanyild
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import brought_back
-from study.search.draws import Generators, Rng
-from study.search.loop import Box, SideBySide, State, evolved
-from study.search.pso import Scalars, uniform_population
 from study.search.reading import is_printed
+from study.search.state import Box, State, evolved, uniform_population
 
 TAU = (math.sqrt(5.0) - 1.0) / 2.0  # eq. (28)
 
@@ -48,14 +44,10 @@ class Sections:
         """Divide an interval as the woodworking paper prints it: x1 and x2 have changed places."""
         return cls(a, b, x1=a * (1 - TAU) + b * TAU, x2=a * TAU + b * (1 - TAU))  # eq. (26), (27)
 
-    def stepped(self, better: bool) -> Sections:
-        """Shrink the interval from the right after a new best value, from the left otherwise."""
-        if better:
-            return Sections(self.a, self.x2, x1=self.a + (1 - TAU) * (self.x2 - self.a), x2=self.x1)
-        return Sections(self.x1, self.b, x1=self.x2, x2=self.x1 + TAU * (self.b - self.x1))
-
     def after(self, values: Floats, best: float, rng: np.random.Generator) -> Sections:
-        """Take one step per evaluation, in order; a collapsed interval is drawn anew in (-pi, 0) and (0, pi).
+        """Take one golden-section step per evaluation, in order; a collapsed interval is drawn anew around 0.
+
+        A new best value shrinks the interval from the right, any other value from the left.
 
         Parameters
         ----------
@@ -79,56 +71,39 @@ class Sections:
         return Sections(a, b, x1, x2)
 
 
-def golden_angles(shape: tuple[int, ...], per_dimension: bool, linked: bool, rng: Rng) -> tuple[Floats, Floats]:
+def golden_angles(
+    shape: tuple[int, ...], per_dimension: bool, linked: bool, rng: np.random.Generator
+) -> tuple[Floats, Floats]:
     """Draw R1 in (0, 2 pi) and R2 in (0, pi) of Eq. (25), one pair per candidate or per coordinate.
 
     Parameters
     ----------
     shape : tuple of two ints
-        Shape of one population.
+        Shape of the population.
     per_dimension : bool
         One pair for every coordinate instead of every candidate.
     linked : bool
         Take R2 = R1 / 2, as the circulated original does.
-    rng : Rng
+    rng : numpy.random.Generator
     """
-    drawn = shape if per_dimension else (shape[0], 1)
-    r1 = 2 * np.pi * rng.random(drawn)
-    return r1, r1 / 2 if linked else np.pi * rng.random(drawn)
+    pairs = shape if per_dimension else (shape[0], 1)
+    r1 = 2 * np.pi * rng.random(pairs)
+    return r1, r1 / 2 if linked else np.pi * rng.random(pairs)
 
 
 @dataclass(frozen=True, eq=False)
 class GoldState(State):
-    """A population and the golden-section coefficients, one set for each run."""
+    """A population and the golden-section coefficients."""
 
-    sections: tuple[Sections, ...]
+    sections: Sections
 
-    @classmethod
-    def side_by_side(cls, states: Sequence[Self]) -> Self:
-        """Make one state of several runs' own."""
-        together = super().side_by_side(states)
-        return evolved(together, sections=tuple(state.sections[0] for state in states))
-
-    @property
-    def coefficients(self) -> tuple[Scalars, Scalars]:
-        """The numbers x1 and x2 of one run, or of each."""
-        if self.candidates.ndim == 2:
-            return self.sections[0].x1, self.sections[0].x2
-        x1, x2 = np.array([(one.x1, one.x2) for one in self.sections]).T[..., None, None]
-        return x1, x2
-
-    def stepped(self, values: Floats, rng: Rng) -> tuple[Sections, ...]:
-        """Step every run's sections through its values, in order; the first population takes no step."""
-        if not self.generation:
-            return self.sections
-        if isinstance(rng, Generators):
-            bests = np.ravel(self.incumbent_value).tolist()
-            return tuple(map(Sections.after, self.sections, values, bests, rng.each))
-        return (self.sections[0].after(values, self.incumbent_value, rng),)
+    def stepped(self, values: Floats, rng: np.random.Generator) -> Sections:
+        """Step the sections through the values, in order; the first population takes no step."""
+        return self.sections.after(values, self.incumbent_value, rng) if self.generation else self.sections
 
 
 @dataclass(frozen=True)
-class GoldSA(SideBySide):
+class GoldSA:
     """Golden sine algorithm.
 
     Attributes
@@ -164,17 +139,16 @@ class GoldSA(SideBySide):
         """Spread candidates uniformly."""
         x = uniform_population(box, population, rng)
         sections = Sections.printed if is_printed(self.reading) else Sections.of
-        return GoldState(box, x, generations, 0, x[0], np.inf, (sections(*self.interval),))
+        return GoldState(box, x, generations, 0, x[0], np.inf, sections(*self.interval))
 
-    def ask(self, state: GoldState, rng: Rng) -> GoldState:
+    def ask(self, state: GoldState, rng: np.random.Generator) -> GoldState:
         """Move every candidate."""
-        x, (x1, x2) = state.candidates, state.coefficients
-        r1, r2 = golden_angles(x.shape[-2:], self.per_dimension, self.linked, rng)
-        sine, pull = np.sin(r1), np.abs(x1 * state.incumbent - x2 * x)
-        x = x * np.abs(sine) - r2 * sine * pull  # eq. (25)
+        x, p, s = state.candidates, state.incumbent, state.sections
+        r1, r2 = golden_angles(x.shape, self.per_dimension, self.linked, rng)
+        x = x * np.abs(np.sin(r1)) - r2 * np.sin(r1) * np.abs(s.x1 * p - s.x2 * x)  # eq. (25)
         return evolved(state, candidates=brought_back(self.bounds, state.box, x))
 
-    def tell(self, state: GoldState, values: Floats, rng: Rng) -> GoldState:
+    def tell(self, state: GoldState, values: Floats, rng: np.random.Generator) -> GoldState:
         """Remember the best and step the golden sections."""
         sections = state.sections if is_printed(self.reading) else state.stepped(values, rng)
         incumbent, value = state.improved(values)

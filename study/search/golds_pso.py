@@ -16,12 +16,11 @@ import numpy as np
 from study.problem import Floats
 from study.search.bounds import brought_back
 from study.search.chaos import MAPS, chaotic_population
-from study.search.draws import Rng
 from study.search.gold_sa import GoldState, Sections, golden_angles
-from study.search.loop import Box, SideBySide, evolved
-from study.search.pso import SwarmState, linear, swarm_at_rest, uniform_population
+from study.search.pso import SwarmState, linear, swarm_at_rest
 from study.search.reading import is_printed
 from study.search.simple_pso import contracted
+from study.search.state import Box, evolved, uniform_population
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +34,7 @@ def s_curve(ends: tuple[float, float], progress: float) -> float:
 
 
 @dataclass(frozen=True)
-class GoldSPSO(SideBySide):
+class GoldSPSO:
     """Particle swarm with golden-sine moves.
 
     Attributes
@@ -85,22 +84,21 @@ class GoldSPSO(SideBySide):
             positions = uniform_population(box, population, rng)
         sections = (Sections.printed if is_printed(self.reading) else Sections.of)(-np.pi, np.pi)
         swarm = swarm_at_rest(box, positions, generations)
-        return GoldenSwarmState(**vars(swarm), sections=(sections,))
+        return GoldenSwarmState(**vars(swarm), sections=sections)
 
-    def ask(self, state: GoldenSwarmState, rng: Rng) -> GoldenSwarmState:
+    def ask(self, state: GoldenSwarmState, rng: np.random.Generator) -> GoldenSwarmState:
         """Move every particle."""
         w = (s_curve if self.s_curve_inertia else linear)(self.inertia, state.progress)
         if not self.golden_sine:
             return contracted(state, rng, (w, self.cognitive, self.social), self.bounds)
-        x, (x1, x2) = state.candidates, state.coefficients
-        r1, r2 = golden_angles(x.shape[-2:], self.per_dimension, self.linked, rng)
-        sine = np.sin(r1)
-        own = self.cognitive * np.abs(sine) * (state.own_best - x)
-        pull = self.social * r2 * sine * np.abs(x1 * state.incumbent - x2 * x)
+        x, s, c1, c2 = state.candidates, state.sections, self.cognitive, self.social
+        r1, r2 = golden_angles(x.shape, self.per_dimension, self.linked, rng)
+        own = c1 * np.abs(np.sin(r1)) * (state.own_best - x)
+        pull = c2 * r2 * np.sin(r1) * np.abs(s.x1 * state.incumbent - s.x2 * x)
         x = self.acceleration * (w * x + own - pull)  # eq. (30)
         return evolved(state, candidates=brought_back(self.bounds, state.box, x))
 
-    def tell(self, state: GoldenSwarmState, values: Floats, rng: Rng) -> GoldenSwarmState:
+    def tell(self, state: GoldenSwarmState, values: Floats, rng: np.random.Generator) -> GoldenSwarmState:
         """Remember what was better and step the golden sections."""
         sections = state.sections
         if self.golden_sine and not is_printed(self.reading):

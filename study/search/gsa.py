@@ -15,8 +15,8 @@ import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import bounded
-from study.search.loop import Box, evolved
-from study.search.population import PopulationState, badness, spread_population
+from study.search.population import PopulationState, normalised_fitness, spread_population
+from study.search.state import Box, evolved
 
 AT_ONCE = 32
 """Pullers taken together: the arrays for a hundred masses in five dimensions then stay in cache, 128 KB each."""
@@ -73,7 +73,7 @@ class GSA:
     def _pull(self, state: GravityState, rng: np.random.Generator) -> Floats:
         """Acceleration of every mass for G = 1, Eqs. (7)-(10), (21); its own mass has cancelled out."""
         x = state.members
-        m = 1.0 - badness(state.values)  # eq. (15)
+        m = 1.0 - normalised_fitness(state.values)  # eq. (15)
         total = np.add.reduce(m)
         masses = m / total if total > 0.0 else np.full(len(x), 1.0 / len(x))  # eq. (16)
         share = self.last_pullers + (1.0 - state.progress) * (1.0 - self.last_pullers)

@@ -1,120 +1,39 @@
-"""The one loop that drives every search, and the state that all searches share."""
+"""Ask-and-tell loops: one run of a search, or several runs that share every call of the objective."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Generic, Protocol, Self, TypeVar
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 
+from study.engine import compiled_module
+from study.errors import StudyError
 from study.planning import Meter
 from study.problem import Floats
-from study.search.engine import with_engine
+from study.search.batched_rng import BatchedRng
+from study.search.state import BatchedSearch, Box, S, Search, State
 
 
-@dataclass(frozen=True, eq=False)
-class Box:
-    """Bounds of the search space; `lower` and `upper` have shape (n_dimensions,)."""
+def with_engine(search: Search[Any], evaluations: int | None = None) -> Search[Any]:
+    """Compiled variant of a search, which gives the same bits, where the engine for that many evaluations is numba.
 
-    lower: Floats
-    upper: Floats
-
-    @cached_property
-    def width(self) -> Floats:
-        """Side lengths, shape (n_dimensions,)."""
-        return self.upper - self.lower
-
-    def at(self, fractions: Floats) -> Floats:
-        """Map fractions in [0, 1] into the box."""
-        return self.lower + fractions * self.width
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """What every search remembers.
-
-    Runs side by side share one state: their arrays have a leading axis for the runs, and what each run has one of has
-    length 1 along the axes of candidates and dimensions, so that the same lines move one population or many.
-
-    Attributes
+    Parameters
     ----------
-    box : Box
-    candidates : array of shape (n_candidates, n_dimensions)
-        The population to evaluate next.
-    generations : int
-        How many populations the budget covers.
-    generation : int
-        How many of them have been told.
-    incumbent : array of shape (n_dimensions,)
-    incumbent_value : float
+    search : Search
+    evaluations : int, optional
+        Budget of the run; without one the run counts as long.
     """
-
-    box: Box
-    candidates: Floats
-    generations: int
-    generation: int
-    incumbent: Floats
-    incumbent_value: float
-
-    @property
-    def progress(self) -> float:
-        """Share of the generations told so far, in [0, 1]."""
-        return min(self.generation / self.generations, 1.0)
-
-    def improved(self, values: Floats) -> tuple[Floats, float]:
-        """Incumbent and its value after the candidates have come back with `values`, shape (n_candidates,)."""
-        if values.ndim > 1:
-            return self._improved_each(values)
-        best = int(values.argmin())
-        if values[best] < self.incumbent_value:
-            return self.candidates[best].copy(), float(values[best])
-        return self.incumbent, self.incumbent_value
-
-    def _improved_each(self, values: Floats) -> tuple[Floats, Any]:
-        runs, best = np.arange(len(values)), values.argmin(axis=1)
-        least, found = values[runs, best, None], self.candidates[runs, best, None]
-        better = least < self.incumbent_value
-        return np.where(better[..., None], found, self.incumbent), np.where(better, least, self.incumbent_value)
-
-    @classmethod
-    def side_by_side(cls, states: Sequence[Self]) -> Self:
-        """Make one state of several runs' own."""
-        together = {name: [getattr(state, name) for state in states] for name in vars(states[0])}
-        shared = {
-            name: np.stack(values) if isinstance(values[0], np.ndarray) else values[0]
-            for name, values in together.items()
-        }
-        values = np.array(together["incumbent_value"])[:, None]
-        return evolved(states[0], **shared | {"incumbent": shared["incumbent"][:, None], "incumbent_value": values})
+    compiled = compiled_module(_compiled, evaluations)
+    return search if compiled is None else compiled.compiled_variant(search)
 
 
-S = TypeVar("S", bound=State)
+def _compiled() -> ModuleType:
+    from study.search import compiled  # here: importing the module imports numba
 
-
-class SideBySide:
-    """Mark of a search whose `ask` and `tell` also take runs side by side, with a generator for each."""
-
-
-def evolved(state: S, **changes: Any) -> S:
-    """Copy a state with some fields changed; `dataclasses.replace` takes longer than moving fifty candidates."""
-    copy = object.__new__(type(state))
-    copy.__dict__.update(state.__dict__, **changes)
-    return copy
-
-
-class Search(Protocol, Generic[S]):
-    """A metaheuristic as three pure functions over a frozen state; all randomness comes from the generator passed in."""
-
-    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> S:
-        """Make the first state; its candidates are the initial population."""
-
-    def ask(self, state: S, rng: np.random.Generator) -> S:
-        """Propose the next candidates."""
-
-    def tell(self, state: S, values: Floats, rng: np.random.Generator) -> S:
-        """Learn the candidates' objective values, shape (n_candidates,)."""
+    return compiled
 
 
 def minimise(search: Search[S], meter: Meter, box: Box, population: int, rng: np.random.Generator) -> S:
@@ -143,3 +62,93 @@ def minimise(search: Search[S], meter: Meter, box: Box, population: int, rng: np
         if meter.exhausted:
             return state
         state = search.ask(state, rng)
+
+
+def minimise_many(
+    search: Search[Any],
+    objective: Callable[[Floats], Floats],
+    budget: int,
+    box: Box,
+    population: int,
+    rngs: Sequence[np.random.Generator],
+) -> list[Meter]:
+    """Several runs with one objective call per generation of all of them; each goes exactly as it goes alone.
+
+    A `BatchedSearch` also moves all runs in one call; any other search is asked and told run by run.
+
+    Parameters
+    ----------
+    search : Search
+    objective : callable (n_candidates, n_dimensions) -> (n_candidates,)
+        Must value each candidate independently of the others in the call.
+    budget : int
+        Evaluations of each run.
+    box : Box
+    population : int
+    rngs : sequence of numpy.random.Generator
+        One for each run.
+
+    Returns
+    -------
+    list of Meter
+        With the evaluations, incumbent and history of each run, as `minimise` would have left them.
+
+    Raises
+    ------
+    StudyError
+        If there is no generator.
+    """
+    if not rngs:
+        raise StudyError("minimise_many needs at least one random generator, one for each run; got none")
+    search = with_engine(search, budget)
+    population = min(population, budget)
+    meters = [Meter(objective, budget) for _ in rngs]
+    states = [search.init(box, population, -(-budget // population), rng) for rng in rngs]
+    rng = BatchedRng(tuple(rngs))
+    mover: Any = search if isinstance(search, BatchedSearch) else _RunByRun(search)
+    state: Any = mover.batch(states)
+    while True:
+        state = mover.tell(state, _evaluated(objective, meters, state.candidates), rng)
+        if meters[0].exhausted:
+            return meters
+        state = mover.ask(state, rng)
+
+
+def _evaluated(objective: Callable[[Floats], Floats], meters: list[Meter], candidates: Floats) -> Floats:
+    """Evaluate the candidates of all runs, shape (n_runs, n_candidates, n_dimensions), and tell the meters."""
+    runs, n, dimensions = candidates.shape
+    allowed = min(n, meters[0].budget - meters[0].evaluations)
+    raw = objective(candidates[:, :allowed].reshape(-1, dimensions)).reshape(runs, allowed)
+    values = np.full((runs, n), np.inf)
+    np.fmin(raw, np.inf, out=values[:, :allowed])  # of NaN and infinity, infinity
+    bests, least = values.argmin(axis=1).tolist(), values.min(axis=1).tolist()
+    for meter, population, best, value in zip(meters, candidates, bests, least, strict=True):
+        meter.note(allowed, population, best, value)
+    return values
+
+
+@dataclass(frozen=True, eq=False)
+class _States:
+    """Separate states of several runs."""
+
+    runs: tuple[State, ...]
+
+    @property
+    def candidates(self) -> Floats:
+        return np.stack([state.candidates for state in self.runs])
+
+
+@dataclass(frozen=True)
+class _RunByRun:
+    """A search that asks and tells run by run, behind the interface of a batched one."""
+
+    search: Search[Any]
+
+    def batch(self, states: Sequence[State]) -> _States:
+        return _States(tuple(states))
+
+    def ask(self, states: _States, rng: BatchedRng) -> _States:
+        return _States(tuple(map(self.search.ask, states.runs, rng.rngs)))
+
+    def tell(self, states: _States, values: Floats, rng: BatchedRng) -> _States:
+        return _States(tuple(map(self.search.tell, states.runs, values, rng.rngs)))

@@ -10,8 +10,7 @@ import numpy as np
 
 from study.errors import StudyError, unknown
 from study.problem import Floats
-from study.search.loop import Box, State, evolved
-from study.search.pso import uniform_population
+from study.search.state import Box, State, evolved, uniform_population
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +68,8 @@ def spread_population(box: Box, population: int, generations: int, rng: np.rando
     return new_population(box, uniform_population(box, population, rng), generations)
 
 
-def badness(values: Floats) -> Floats:
-    """Where each value lies between this generation's best, 0, and worst, 1; infinite values count as worst.
+def normalised_fitness(values: Floats) -> Floats:
+    """Normalised fitness: place of each value between this generation's best, 0, and worst, 1; infinite values count as worst.
 
     Parameters
     ----------

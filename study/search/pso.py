@@ -1,4 +1,4 @@
-"""Particle swarm optimisation: the state of a swarm, the velocity update, and the plain algorithm.
+"""Particle swarm optimisation (PSO): swarm state, velocity update with a velocity clamp, and the plain algorithm.
 
 References
 ----------
@@ -15,20 +15,20 @@ import numpy as np
 
 from study.errors import unknown
 from study.problem import Floats
+from study.search.batched_rng import Rng
 from study.search.bounds import Moved, bounded
-from study.search.draws import Rng
-from study.search.loop import Box, SideBySide, State, evolved
+from study.search.state import BatchedSearch, Box, State, evolved, uniform_population
 
 CLAMPS = ("absolute", "share")
 Scalars = Floats | float
-"""One number, or one for each of several runs side by side, shape (n_runs, 1, 1)."""
+"""A number of one run, or of each of several batched runs, shape (n_runs, 1, 1)."""
 
 Weights = tuple[Scalars, Scalars, Scalars]
 
 
 @dataclass(frozen=True, eq=False)
 class SwarmState(State):
-    """A population in which every particle remembers its own best.
+    """Swarm whose particles remember their own best positions.
 
     Attributes
     ----------
@@ -76,19 +76,14 @@ def swarm_at_rest(box: Box, positions: Floats, generations: int) -> SwarmState:
     return new_swarm(box, positions, np.zeros_like(positions), generations)
 
 
-def uniform_population(box: Box, population: int, rng: Rng) -> Floats:
-    """Independent uniform candidates in the box, shape (population, n_dimensions)."""
-    return box.at(rng.random((population, len(box.lower))))
-
-
 def linear(ends: tuple[float, float], progress: float) -> float:
     """Go from one number to another in proportion to the progress of the search."""
     return ends[0] + (ends[1] - ends[0]) * progress
 
 
 @dataclass(frozen=True)
-class Flight:
-    """What limits a particle's flight.
+class VelocityUpdate:
+    """Velocity and position update with a velocity clamp and a bounds rule.
 
     Attributes
     ----------
@@ -115,7 +110,7 @@ class Flight:
 
     def clamped(self, box: Box, velocities: Floats) -> Floats:
         """Cut velocities off at the clamp."""
-        slowest, fastest = clamps(self, box, velocities.shape)
+        slowest, fastest = velocity_bounds(self, box, velocities.shape)
         return np.minimum(np.maximum(velocities, slowest), fastest)
 
     def moved(self, state: SwarmState, weights: Weights, draws: Floats) -> Moved:
@@ -140,21 +135,21 @@ class Flight:
 
 
 @lru_cache(maxsize=8)
-def clamps(flight: Flight, box: Box, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
-    """Least and greatest velocities repeated for a population of that shape, as `study.search.bounds.walls`."""
-    limit = np.broadcast_to(flight.clamp * box.width if flight.unit == "share" else flight.clamp, shape)
+def velocity_bounds(velocity: VelocityUpdate, box: Box, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
+    """Least and greatest velocities repeated for a population of that shape, as `population_bounds`."""
+    limit = np.broadcast_to(velocity.clamp * box.width if velocity.unit == "share" else velocity.clamp, shape)
     return -limit, limit.copy()
 
 
-def flown(state: SwarmState, rng: Rng, weights: Weights, flight: Flight) -> SwarmState:
-    """Move a swarm: shared by all swarms with velocities; see `Flight.moved`."""
+def moved_swarm(state: SwarmState, rng: Rng, weights: Weights, velocity: VelocityUpdate) -> SwarmState:
+    """Move every particle of a swarm by its velocity; see `VelocityUpdate.moved`."""
     draws = rng.random((2, *state.candidates.shape[-2:]))
-    x, v = flight.moved(state, weights, draws)
+    x, v = velocity.moved(state, weights, draws)
     return evolved(state, candidates=x, velocities=v)
 
 
 @dataclass(frozen=True)
-class PSO(SideBySide):
+class PSO(BatchedSearch[SwarmState]):
     """Particle swarm with linear inertia and constant learning factors.
 
     The defaults are the textbook's; no paper prints a complete set. The papers' basic PSO keeps the inertia at 1.
@@ -165,14 +160,14 @@ class PSO(SideBySide):
         Weight w at the start and at the end (Shi and Eberhart 1998).
     cognitive, social : float
         Learning factors c1 and c2 (Kennedy and Eberhart 1995).
-    flight : Flight
+    velocity : VelocityUpdate
         Clamp and bounds rule; 0.2 of the box's width and `clip` are ours.
     """
 
     inertia: tuple[float, float] = (0.9, 0.4)
     cognitive: float = 2.0
     social: float = 2.0
-    flight: Flight = Flight()
+    velocity: VelocityUpdate = VelocityUpdate()
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
         """Spread particles uniformly, at rest."""
@@ -181,7 +176,7 @@ class PSO(SideBySide):
     def ask(self, state: SwarmState, rng: Rng) -> SwarmState:
         """Move every particle."""
         w = linear(self.inertia, state.progress)
-        return flown(state, rng, (w, self.cognitive, self.social), self.flight)
+        return moved_swarm(state, rng, (w, self.cognitive, self.social), self.velocity)
 
     def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
         """Remember what was better."""

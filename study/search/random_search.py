@@ -7,13 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats
-from study.search.draws import Rng
-from study.search.loop import Box, SideBySide, State, evolved
-from study.search.pso import uniform_population
+from study.search.batched_rng import Rng
+from study.search.state import BatchedSearch, Box, State, evolved, uniform_population
 
 
 @dataclass(frozen=True)
-class RandomSearch(SideBySide):
+class RandomSearch(BatchedSearch[State]):
     """Draw every generation uniformly from the box and remember the best."""
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> State:

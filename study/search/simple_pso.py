@@ -16,10 +16,10 @@ from typing import TypeVar
 import numpy as np
 
 from study.problem import Floats
+from study.search.batched_rng import Rng
 from study.search.bounds import brought_back
-from study.search.draws import Rng
-from study.search.loop import Box, SideBySide, evolved
-from study.search.pso import SwarmState, linear, swarm_at_rest, uniform_population
+from study.search.pso import SwarmState, linear, swarm_at_rest
+from study.search.state import BatchedSearch, Box, evolved, uniform_population
 
 W = TypeVar("W", bound=SwarmState)
 
@@ -34,7 +34,7 @@ def contracted(state: W, rng: Rng, weights: tuple[float, float, float], bounds: 
 
 
 @dataclass(frozen=True)
-class SimplePSO(SideBySide):
+class SimplePSO(BatchedSearch[SwarmState]):
     """Swarm without velocities.
 
     Attributes

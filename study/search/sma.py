@@ -14,17 +14,16 @@ import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import brought_back
-from study.search.draws import Rng, coordinates_at
-from study.search.loop import Box, SideBySide, evolved
-from study.search.population import PopulationState, badness, check_choice, check_share, spread_population
+from study.search.population import PopulationState, check_choice, check_share, normalised_fitness, spread_population
 from study.search.reading import is_printed
+from study.search.state import Box, evolved
 
 RESTARTS = ("diagonal", "component")
 LARGEST = np.finfo(float).max
 
 
 @dataclass(frozen=True)
-class SMA(SideBySide):
+class SMA:
     """Slime moulds approach the incumbent by the difference of two random members, shrink, or restart.
 
     Attributes
@@ -59,20 +58,21 @@ class SMA(SideBySide):
         """Spread members uniformly."""
         return spread_population(box, population, generations, rng)
 
-    def ask(self, state: PopulationState, rng: Rng) -> PopulationState:
+    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
         """Move every member by Eq. (8)."""
-        x = state.members
-        n, d = x.shape[-2:]
-        weights = fitness_weights(state.values, rng.random((n, d)), self.log_base)
-        v_b = arctanh_factor(state.progress) * (2.0 * rng.random((n, d)) - 1.0)
-        a, b = coordinates_at(x, rng.integers(n, size=(2, n, d)))
-        approach = state.incumbent + v_b * (weights * a - b)
-        nears = rng.random((n, d)) < approach_probability(state)
-        moved = np.where(nears, approach, feedback(state, self.reading, rng) * x)
-        moved = restarted(moved, state.box, rng, self.restart_share, self._restart())
+        x, x_b = state.members, state.incumbent
+        n, d = x.shape
+        w = fitness_weights(state.values, rng.random((n, d)), self.log_base)  # eq. (11)
+        v_b = arctanh_factor(state.progress) * (2.0 * rng.random((n, d)) - 1.0)  # uniform in [-a, a], eq. (10)
+        x_a, x_c = x[rng.integers(n, size=(2, n, d)), np.arange(d)]  # random members, X_A and X_B in the paper
+        p = approach_probability(state)  # eq. (9)
+        nears = rng.random((n, d)) < p
+        v_c = feedback(state, self.reading, rng)
+        moved = np.where(nears, x_b + v_b * (w * x_a - x_c), v_c * x)  # eq. (8), second and third line
+        moved = restarted(moved, state.box, rng, self.restart_share, self._restart())  # eq. (8), first line
         return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
 
-    def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
+    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Take the new positions, better or not."""
         return state.replaced(values)
 
@@ -88,39 +88,34 @@ def arctanh_factor(progress: float) -> float:
 def approach_probability(state: PopulationState) -> Floats:
     """Return p = tanh |F_i - F_best|, Eq. (9), shape (n_candidates, 1); 1 as long as nothing is finite."""
     known = np.minimum(state.incumbent_value, LARGEST)
-    return np.tanh(np.abs(state.values - known))[..., None]
+    return np.tanh(np.abs(state.values - known))[:, None]
 
 
-def feedback(state: PopulationState, reading: str, rng: Rng) -> Floats:
+def feedback(state: PopulationState, reading: str, rng: np.random.Generator) -> Floats:
     """Feedback factor v_c of Eq. (8), shape (n_candidates, n_dimensions)."""
     b = 1.0 - state.progress
     if is_printed(reading):
         return np.full(state.members.shape, b)
-    return b * (2.0 * rng.random(state.members.shape[-2:]) - 1.0)
+    return b * (2.0 * rng.random(state.members.shape) - 1.0)
 
 
-def restarted(moved: Floats, box: Box, rng: Rng, share: float, how: str) -> Floats:
+def restarted(moved: Floats, box: Box, rng: np.random.Generator, share: float, how: str) -> Floats:
     """Put a share of the members anywhere in the box, first line of Eq. (8).
 
     Parameters
     ----------
     moved : array of shape (n_candidates, n_dimensions)
     box : Box
-    rng : Rng
+    rng : numpy.random.Generator
     share : float
         Probability z.
     how : str
         `same-number` (the number compared with z), `diagonal` or `component`.
     """
-    n, d = moved.shape[-2:]
+    n, d = moved.shape
     r1 = rng.random((n, 1))
     anywhere = r1 if how == "same-number" else rng.random((n, 1 if how == "diagonal" else d))
-    rows = (r1[..., 0] < share).nonzero()
-    if not rows[0].size:
-        return moved
-    moved = moved.copy()
-    moved[rows] = box.at(anywhere[rows])
-    return moved
+    return np.where(r1 < share, box.at(anywhere), moved)
 
 
 def fitness_weights(values: Floats, r: Floats, log_base: float) -> Floats:
@@ -138,9 +133,7 @@ def fitness_weights(values: Floats, r: Floats, log_base: float) -> Floats:
     -------
     array of shape (n_candidates, n_dimensions)
     """
-    if values.ndim > 1:
-        return np.stack([fitness_weights(*run, log_base) for run in zip(values, r, strict=True)])
-    span = np.log1p(badness(values)) / math.log(log_base)
+    span = np.log1p(normalised_fitness(values)) / math.log(log_base)
     worse = values.argsort(kind="stable")[(len(values) + 1) // 2 :]
     span[worse] = -span[worse]
     return 1.0 + r * span[:, None]

@@ -13,11 +13,10 @@ import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import brought_back
-from study.search.draws import Rng
-from study.search.loop import evolved
 from study.search.population import PopulationState, check_share
 from study.search.reading import is_printed
 from study.search.sma import approach_probability, arctanh_factor, feedback, fitness_weights, restarted
+from study.search.state import evolved
 from study.search.woa import WOA, WhaleDraws, whale_moves
 
 
@@ -59,27 +58,29 @@ class SMWOA(WOA):
         is_printed(self.reading)
         check_share("SMWOA", "restart_share", self.restart_share)
 
-    def ask(self, state: PopulationState, rng: Rng) -> PopulationState:
+    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
         """Move every whale by Eqs. (12)-(14), then by the branches of SMA that are switched on."""
         draws = WhaleDraws.of(self, state, rng)
         a = arctanh_factor(state.progress) if self.arctanh else 2.0 - 2.0 * state.progress
         distances = self._distances(state, draws, rng)
-        v_b = a * (2.0 * rng.random(state.members.shape[-2:]) - 1.0) if self.oscillating else 1.0
+        v_b = a * (2.0 * rng.random(state.members.shape) - 1.0) if self.oscillating else 1.0
         moved = whale_moves(draws, a, (state.incumbent, draws.leaders), distances, self.spiral, v_b)
         if self.shrinking:
-            nears = rng.random(moved.shape[-2:]) < approach_probability(state)
+            nears = rng.random(moved.shape) < approach_probability(state)
             moved = np.where(nears, moved, feedback(state, "standard", rng) * state.members)
         if self.restart_share > 0.0:
             moved = restarted(moved, state.box, rng, self.restart_share, "diagonal")
         return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
 
-    def _distances(self, state: PopulationState, draws: WhaleDraws, rng: Rng) -> tuple[Floats, Floats, Floats]:
+    def _distances(
+        self, state: PopulationState, draws: WhaleDraws, rng: np.random.Generator
+    ) -> tuple[Floats, Floats, Floats]:
         """D, D' and D'' of Eq. (15)."""
         x, best = state.members, state.incumbent
         omega: Floats | float = 1.0
         c = draws.c
         if self.weighted:
-            omega = c = fitness_weights(state.values, rng.random(x.shape[-2:]), self.log_base)
+            omega = c = fitness_weights(state.values, rng.random(x.shape), self.log_base)
         to_best = np.abs(omega * best - x)
         to_other = to_best if is_printed(self.reading) else np.abs(c * draws.leaders - x)
         return np.abs(draws.c * best - x), to_best, to_other

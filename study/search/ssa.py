@@ -16,11 +16,9 @@ import numpy as np
 from study.problem import Floats
 from study.search.bounds import brought_back
 from study.search.chaos import chaotic_population, map_named
-from study.search.draws import Generators, Rng, members_at, places
-from study.search.loop import Box, SideBySide, evolved
 from study.search.population import PopulationState, check_choice, check_share, new_population
-from study.search.pso import uniform_population
 from study.search.reading import is_printed
+from study.search.state import Box, evolved, uniform_population
 
 STARTS = ("uniform", "tent")
 SIGNS = np.array([-1.0, 1.0])
@@ -35,7 +33,7 @@ def _ranks(n: int) -> Floats:
 
 
 @dataclass(frozen=True)
-class SSA(SideBySide):
+class SSA:
     """Producers contract, joiners follow the best producer or leave, scouts are drawn to the incumbent.
 
     `start="tent"` makes it the paper's T-SSA, both adaptive factors its ADF-SSA, all three its TADF-SSA.
@@ -94,68 +92,67 @@ class SSA(SideBySide):
             positions = uniform_population(box, population, rng)
         return new_population(box, positions, generations)
 
-    def ask(self, state: PopulationState, rng: Rng) -> PopulationState:
+    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
         """Rank the sparrows and move each by its role."""
-        order = state.values.argsort(axis=-1, kind="stable")
-        x, n = members_at(state.members, order), order.shape[-1]
+        order = state.values.argsort(kind="stable")
+        x, n = state.members[order], len(order)  # x[i - 1] is the sparrow of rank i
         n_producers = min(n, max(1, round(self.producers * n)))
-        produced = self._producers(x[..., :n_producers, :], state.generations, rng)
-        moved = np.concatenate([produced, self._joiners(x, n_producers, produced[..., :1, :], rng)], axis=-2)
-        scouts = rng.permutation(n)[..., : round(self.scouts * n)]
-        moved[places(scouts)] = self._scouts(state, x, scouts, rng)
+        produced = self._producers(x[:n_producers], state.generations, rng)
+        moved = np.concatenate([produced, self._joiners(x, n_producers, produced[0], rng)])
+        scouts = rng.permutation(n)[: round(self.scouts * n)]
+        moved[scouts] = self._scouts(state, x, scouts, rng)
         candidates = np.empty_like(moved)
-        candidates[places(order)] = brought_back(self.bounds, state.box, moved)
+        candidates[order] = brought_back(self.bounds, state.box, moved)
         return evolved(state, candidates=candidates)
 
-    def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
+    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Keep what is better, Algorithm 1, line 14."""
         return state.kept_better(values)
 
-    def _producers(self, x: Floats, generations: int, rng: Rng) -> Floats:
-        """New positions of the best sparrows, Eq. (13); i is the rank, counted from 1."""
-        if isinstance(rng, Generators):  # each run is alarmed by itself
-            runs = zip(x, rng.each, strict=True)
-            return np.stack([self._producers(own, generations, its) for own, its in runs])
-        alarm = rng.random()  # R_2
-        if alarm >= self.safety:
-            return x + rng.standard_normal((len(x), 1))  # x + Q L
-        alpha = 1.0 - rng.random((len(x), 1))  # in (0, 1]
-        return x * np.exp(-_ranks(len(x)) / (alpha * generations))
+    def _producers(self, x: Floats, t_max: int, rng: np.random.Generator) -> Floats:
+        """New positions of the best sparrows, Eq. (13)."""
+        n = len(x)
+        r_2 = rng.random()
+        if r_2 >= self.safety:
+            return x + rng.standard_normal((n, 1))  # X + Q L
+        alpha = 1.0 - rng.random((n, 1))  # in (0, 1]
+        return x * np.exp(-_ranks(n) / (alpha * t_max))  # X exp(-i / (alpha T))
 
-    def _joiners(self, x: Floats, first: int, leader: Floats, rng: Rng) -> Floats:
-        """New positions of the others, Eq. (14); the hungry ones, ranked in the lower half, leave."""
-        n, d = x.shape[-2:]
+    def _joiners(self, x: Floats, first: int, x_p: Floats, rng: np.random.Generator) -> Floats:
+        """New positions of the others, Eq. (14); those ranked in the lower half are hungry and leave."""
+        n, d = x.shape
         q = rng.standard_normal((n - first, 1))
-        signs = SIGNS.take(rng.integers(2, size=(n - first, d)))  # A; A^+ = A^T (A A^T)^-1 = A^T / d
+        a = SIGNS.take(rng.integers(2, size=(n - first, d)))  # A; A^+ = A^T (A A^T)^-1 = A^T / d
         half = max(n // 2, first)
-        hungry, worst = x[..., half:, :], x[..., -1:, :]
-        fall = hungry - worst if is_printed(self.reading) else worst - hungry
-        leaving = q[..., half - first :, :] * np.exp(np.minimum(fall / _ranks(n)[half:] ** 2, LARGEST_EXPONENT))
-        step = (np.abs(x[..., first:half, :] - leader) * signs[..., : half - first, :]).sum(axis=-1, keepdims=True) / d
-        return np.concatenate([leader + step, leaving], axis=-2)
+        hungry, fed, i = x[half:], x[first:half], _ranks(n)[half:]
+        fall = hungry - x[-1] if is_printed(self.reading) else x[-1] - hungry  # X_worst - X_i, its sign as read
+        leaving = q[half - first :] * np.exp(np.minimum(fall / i**2, LARGEST_EXPONENT))  # i > n / 2
+        joined = x_p + (np.abs(fed - x_p) * a[: half - first]).sum(axis=1, keepdims=True) / d  # X_P + |X_i - X_P| A^+ L
+        return np.concatenate([joined, leaving])
 
-    def _scouts(self, state: PopulationState, x: Floats, scouts: np.ndarray, rng: Rng) -> Floats:
+    def _scouts(self, state: PopulationState, x: Floats, scouts: np.ndarray, rng: np.random.Generator) -> Floats:
         """New positions of the sparrows that sense danger, given by their ranks, Eq. (15)."""
-        own, values = members_at(x, scouts), np.sort(state.values, axis=-1)
-        to_best = state.incumbent + self._beta(state, own, rng) * np.abs(own - state.incumbent)
-        k = self._k(state, scouts.shape[-1], rng)
-        behind = values[places(scouts)] > state.incumbent_value
-        if behind.all():
+        x_i, x_best, x_worst = x[scouts], state.incumbent, x[-1]
+        f = np.sort(state.values)
+        f_i, f_g, f_w = f[scouts], state.incumbent_value, f[-1]
+        to_best = x_best + self._beta(state, x_i, rng) * np.abs(x_i - x_best)  # f_i > f_g
+        k = self._k(state, len(scouts), rng)
+        if (f_i > f_g).all():
             return to_best
-        away = own - x[..., -1:, :] if is_printed(self.reading) else np.abs(own - x[..., -1:, :])
-        fall = np.minimum(state.incumbent_value, LARGEST) - values[..., -1:]
-        return np.where(behind[..., None], to_best, own + k * away / (fall[..., None] + 1e-50))
+        away = x_i - x_worst if is_printed(self.reading) else np.abs(x_i - x_worst)
+        fall = min(f_g, LARGEST) - f_w  # the paper's f_i - f_w, where f_i = f_g
+        return np.where((f_i > f_g)[:, None], to_best, x_i + k * away / (fall + 1e-50))
 
-    def _beta(self, state: PopulationState, x: Floats, rng: Rng) -> Floats | float:
+    def _beta(self, state: PopulationState, x: Floats, rng: np.random.Generator) -> Floats | float:
         printed = is_printed(self.reading)
         if not self.adaptive_beta:
-            return rng.standard_normal(x.shape[-2:])
+            return rng.standard_normal(x.shape)
         low, high = self.beta_limits
         angle = state.progress if printed else math.pi * state.progress
         beta = low + 0.5 * (high - low) * (1.0 - math.cos(angle))  # eq. (18)
-        return beta if printed else beta * rng.standard_normal(x.shape[-2:])
+        return beta if printed else beta * rng.standard_normal(x.shape)
 
-    def _k(self, state: PopulationState, n: int, rng: Rng) -> Floats | float:
+    def _k(self, state: PopulationState, n: int, rng: np.random.Generator) -> Floats | float:
         low, high = self.k_limits
         if not self.adaptive_k:
             return 2.0 * rng.random((n, 1)) - 1.0

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats
+from study.search.batched_rng import Rng
 from study.search.bounds import brought_back
-from study.search.draws import Rng
-from study.search.loop import Box, SideBySide, evolved
 from study.search.population import PopulationState, spread_population
+from study.search.state import BatchedSearch, Box, evolved
 
 
 @dataclass(frozen=True)
-class STOA(SideBySide):
+class STOA(BatchedSearch[PopulationState]):
     """Terns shrink their position, drift towards the incumbent and spiral around it.
 
     Attributes

@@ -14,15 +14,14 @@ import numpy as np
 
 from study.problem import Floats
 from study.search.bounds import brought_back
-from study.search.draws import Rng, coordinates_at
-from study.search.loop import Box, SideBySide, evolved
 from study.search.population import PopulationState, check_choice, spread_population
+from study.search.state import Box, evolved
 
 DRAWS = ("whale", "component")
 
 
 @dataclass(frozen=True)
-class WOA(SideBySide):
+class WOA:
     """Whales encircle the incumbent, spiral towards it, or follow a random whale.
 
     Attributes
@@ -56,7 +55,7 @@ class WOA(SideBySide):
         """Spread whales uniformly."""
         return spread_population(box, population, generations, rng)
 
-    def ask(self, state: PopulationState, rng: Rng) -> PopulationState:
+    def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
         """Move every whale."""
         draws = WhaleDraws.of(self, state, rng)
         a = 2.0 - 2.0 * state.progress  # below eq. (4)
@@ -68,7 +67,7 @@ class WOA(SideBySide):
         moved = whale_moves(draws, a, (best, r), (around(best), np.abs(best - x), around(r)), self.spiral)
         return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
 
-    def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
+    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Take the new positions, better or not."""
         return state.replaced(values)
 
@@ -93,13 +92,13 @@ class WhaleDraws(NamedTuple):
     leaders: Floats
 
     @classmethod
-    def of(cls, search: WOA, state: PopulationState, rng: Rng) -> WhaleDraws:
+    def of(cls, search: WOA, state: PopulationState, rng: np.random.Generator) -> WhaleDraws:
         """Draw for every whale of the population."""
-        n, d = state.members.shape[-2:]
+        n, d = state.members.shape
         u, c = rng.random((2, n, 1 if search.coefficients == "whale" else d))
         p, turn = rng.random((2, n, 1))
         rows = rng.integers(n, size=(n, 1 if search.leader == "whale" else d))
-        return cls(u, 2.0 * c, p, 2.0 * turn - 1.0, coordinates_at(state.members, rows))
+        return cls(u, 2.0 * c, p, 2.0 * turn - 1.0, state.members[rows, np.arange(d)])
 
 
 def whale_moves(

@@ -13,7 +13,7 @@ from study.judge import judge
 from study.parametric import ParametricTrajectory
 from study.planning import Meter, Plan, Planner, RunSettings, Status
 from study.problem import EndCondition, Floats, JointLimits, Problem
-from study.search.loop import Box, Search, State
+from study.search.state import Box, Search, State
 from study.trajectory import Motion, Trajectory
 
 

@@ -10,18 +10,20 @@ from typing import Any
 import numpy as np
 import pytest
 
+from study import engine
 from study.bench import growth, papers_way, searches, wording
 from study.bench.growth import Point, peak_bytes
 from study.bench.kernels import peaks_call, sample
 from study.bench.measuring import Limit, Ratio, interleaved, unmet
 from study.bench.page import write_page
 from study.bench.run import Bench, read, write
-from study.curves import CURVES, engine
+from study.curves import CURVES
 from study.errors import StudyError
-from study.planners.plain import PSO_STANDARD
+from study.planners.other_searches import PSO_STANDARD
 from study.planning import Meter
 from study.problem import Floats
-from study.search.loop import Box, minimise
+from study.search.loop import minimise
+from study.search.state import Box
 
 ROWS = (
     Ratio("Kernels", "3-5-3", "the papers' way", "candidate", (1e-6, 2e-6, 1e-6), (3e-3, 3e-3, 1e-3), 2000.0),

@@ -134,7 +134,7 @@ def _fastest(case_name: str, joint: int | None, durations: list[float]) -> float
     noise = np.exp(0.02 * np.random.default_rng(3).standard_normal((2000, 3)))
     total = float(scaled(best)[0])
     assert total <= scaled(best * noise).min() + 1e-6
-    assert judge(problem, curve_named(case.curve).motion(problem.waypoints, scaled.realise(best)[0])).feasible
+    assert judge(problem, curve_named(case.curve).motion(problem.waypoints, scaled.durations(best)[0])).feasible
     return total
 
 

@@ -109,7 +109,7 @@ def test_stale_trials_are_dropped_and_those_that_cannot_be_told_stay(compared, m
 def test_the_code_behind_a_task_is_behind_its_trials():
     from study.code_digest import _imports
 
-    assert {"study.comparison.tasks", "study.search.batch"} <= set(_imports("study.comparison.trials"))
+    assert {"study.comparison.tasks", "study.search.loop"} <= set(_imports("study.comparison.trials"))
     assert {"study.curves", "study.formulation", "study.testfunctions"} <= set(_imports("study.comparison.tasks"))
 
 

@@ -1,4 +1,4 @@
-"""The compiled kernels against their NumPy twins, to rounding, and the choice between the two."""
+"""The compiled kernels against their NumPy forms, to rounding, and the choice between the two."""
 
 from __future__ import annotations
 
@@ -11,21 +11,25 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from study.curves import CURVES, engine
+from study import engine
+from study.curves import CURVES
+from study.curves.compiled import with_engine
 from study.errors import StudyError
 from study.formulation import Penalty
 from study.planning import Meter
 from study.problem import Floats
 from study.registry import planner_named
 from study.search.gsa import GSA, halves
-from study.search.loop import Box, Search, minimise
-from study.search.pso import PSO, Flight
+from study.search.loop import minimise
+from study.search.pso import PSO, VelocityUpdate
 from study.search.sca import SCA
+from study.search.state import Box, Search
 
 pytest.importorskip("numba")
 
-from study.curves import compiled, compiled_353  # after the check that numba is there
-from study.search.compiled import CompiledFlight, CompiledGSA, CompiledSCA, twin
+from study.curves.compiled import peaks as compiled  # after the check that numba is there
+from study.curves.compiled import poly353 as compiled_353
+from study.search.compiled import CompiledGSA, CompiledSCA, CompiledVelocityUpdate, compiled_variant
 
 SHAPES = {"poly353": (4, 6), "cubic-spline": (20, 5), "bspline": (7, 3)}
 steps = st.one_of(
@@ -129,10 +133,10 @@ def test_engine_follows_variable_and_budget(monkeypatch: pytest.MonkeyPatch) -> 
     assert engine.chosen() == engine.NUMBA
     monkeypatch.setenv(engine.VARIABLE, "numba")
     assert engine.chosen(1) == engine.NUMBA
-    assert engine.with_engine(CURVES["poly353"], 1).peaks is compiled.peaks_353
-    assert engine.with_engine(CURVES["cubic-spline-smooth"], 1) == CURVES["cubic-spline-smooth"]
+    assert with_engine(CURVES["poly353"], 1).peaks is compiled.peaks_353
+    assert with_engine(CURVES["cubic-spline-smooth"], 1) == CURVES["cubic-spline-smooth"]
     monkeypatch.setenv(engine.VARIABLE, "numpy")
-    assert engine.with_engine(CURVES["poly353"]) is CURVES["poly353"]
+    assert with_engine(CURVES["poly353"]) is CURVES["poly353"]
     monkeypatch.setenv(engine.VARIABLE, "fortran")
     with pytest.raises(StudyError, match="fortran"):
         engine.chosen()
@@ -157,7 +161,7 @@ def test_objective_agrees() -> None:
     durations = np.random.default_rng(7).uniform(*problem.duration_bounds, (200, problem.n_segments))
     values = [
         Penalty(problem, CURVES["poly353"]).__call__(durations),
-        Penalty(problem, engine.with_engine(CURVES["poly353"])).__call__(durations),
+        Penalty(problem, with_engine(CURVES["poly353"])).__call__(durations),
     ]
     np.testing.assert_allclose(values[0], values[1], rtol=1e-12)
 
@@ -171,8 +175,12 @@ SEARCHES: dict[str, Search[Any]] = (
         "sca, reflected": SCA(bounds="reflect"),
     }
     | {
-        f"pso, {flight}": PSO(flight=flight)
-        for flight in (Flight(0.3, "absolute"), Flight(bounds="reflect"), Flight(np.inf, bounds="stop"))
+        f"pso, {velocity}": PSO(velocity=velocity)
+        for velocity in (
+            VelocityUpdate(0.3, "absolute"),
+            VelocityUpdate(bounds="reflect"),
+            VelocityUpdate(np.inf, bounds="stop"),
+        )
     }
 )
 
@@ -198,16 +206,16 @@ def test_compiled_searches_give_numpys_bits(
 
 
 def test_swarms_that_fly_and_two_others_have_compiled_steps() -> None:
-    assert type(twin(SCA(amplitude=3.0))) is CompiledSCA
-    assert isinstance(twin(GSA(gravity=9.0)), CompiledGSA)
-    assert twin(GSA(gravity=9.0)).gravity == 9.0
+    assert type(compiled_variant(SCA(amplitude=3.0))) is CompiledSCA
+    assert isinstance(compiled_variant(GSA(gravity=9.0)), CompiledGSA)
+    assert compiled_variant(GSA(gravity=9.0)).gravity == 9.0
     for name in ("pso", "cfpso", "dynamic-adaptive-pso", "chaotic-spso"):
-        compiled_search = twin(SEARCHES[name])
+        compiled_search = compiled_variant(SEARCHES[name])
         assert type(compiled_search) is type(SEARCHES[name])
-        assert isinstance(compiled_search.flight, CompiledFlight)
-        assert twin(compiled_search) is compiled_search
+        assert isinstance(compiled_search.velocity, CompiledVelocityUpdate)
+        assert compiled_variant(compiled_search) is compiled_search
     woa = planner_named("woa").search
-    assert twin(woa) is woa
+    assert compiled_variant(woa) is woa
 
 
 @given(st.integers(1, 40), st.integers(1, 6), st.integers(1, 40), st.integers(0, 2**32 - 1))

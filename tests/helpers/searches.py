@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from study.search.loop import Box
+from study.search.state import Box
 
 BOX = Box(np.array([-4.0, 1.0, 0.0]), np.array([4.0, 5.0, 2.0]))
 

@@ -30,8 +30,9 @@ from study.reproduction.path_runs import attempts
 from study.reproduction.verdicts import CLAIM, Outcome
 from study.robots import inverse, robot_named
 from study.robots.helix import helix_configurations
-from study.search.loop import Box, minimise
+from study.search.loop import minimise
 from study.search.pso import PSO
+from study.search.state import Box
 
 TINY = Effort("tiny: for tests", 2, 0.02, 2, all_readings=False)
 PAPERS = list(MODULES)

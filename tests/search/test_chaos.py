@@ -17,7 +17,7 @@ from study.search.chaos import (
     tent,
     uniformity,
 )
-from study.search.loop import Box
+from study.search.state import Box
 
 BOX = Box(np.array([1.0, -2.0, 0.0]), np.array([5.0, 2.0, 0.5]))
 

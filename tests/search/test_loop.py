@@ -6,9 +6,10 @@ import pytest
 from study import StudyError
 from study.planning import Meter
 from study.search.bounds import RULES, bounded, brought_back
-from study.search.loop import Box, minimise
+from study.search.loop import minimise
 from study.search.pso import PSO
 from study.search.random_search import RandomSearch
+from study.search.state import Box
 
 BOX = Box(np.array([0.0, 1.0]), np.array([2.0, 5.0]))
 

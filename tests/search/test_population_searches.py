@@ -12,12 +12,13 @@ from study.planning import Meter
 from study.search.cma_es import CMAES
 from study.search.de import DE
 from study.search.gsa import GSA
-from study.search.loop import Box, minimise
-from study.search.population import badness, new_population
+from study.search.loop import minimise
+from study.search.population import new_population, normalised_fitness
 from study.search.sca import SCA
 from study.search.sma import SMA
 from study.search.smwoa import SMWOA
 from study.search.ssa import SSA
+from study.search.state import Box
 from study.search.stoa import STOA
 from study.search.woa import WOA
 
@@ -145,9 +146,9 @@ def test_wrong_options_are_refused(make, message):
 
 
 def test_badness_by_hand():
-    np.testing.assert_array_equal(badness(np.array([3.0, 1.0, np.inf, 2.0])), [1.0, 0.0, 1.0, 0.5])
-    np.testing.assert_array_equal(badness(np.array([2.0, 2.0])), [0.0, 0.0])
-    np.testing.assert_array_equal(badness(np.array([np.inf, np.inf])), [1.0, 1.0])
+    np.testing.assert_array_equal(normalised_fitness(np.array([3.0, 1.0, np.inf, 2.0])), [1.0, 0.0, 1.0, 0.5])
+    np.testing.assert_array_equal(normalised_fitness(np.array([2.0, 2.0])), [0.0, 0.0])
+    np.testing.assert_array_equal(normalised_fitness(np.array([np.inf, np.inf])), [1.0, 1.0])
 
 
 def test_kept_better_and_replaced():
@@ -159,3 +160,14 @@ def test_kept_better_and_replaced():
     np.testing.assert_array_equal(generational.members[:, 0], [3.0, 4.0])
     assert greedy.incumbent_value == generational.incumbent_value == 0.5
     assert greedy.generation == 2
+
+
+def test_cma_es_leaves_its_states_unchanged():
+    pytest.importorskip("cmaes", reason="the peer package cmaes is not installed")
+    search, rng = CMAES(), np.random.default_rng(4)
+    state = search.init(BOX, 8, 5, rng)
+    told = search.tell(state, bowl(state.candidates), rng)
+    again = search.tell(state, bowl(state.candidates), rng)
+    first = search.ask(told, rng).candidates
+    np.testing.assert_array_equal(first, search.ask(told, rng).candidates)
+    np.testing.assert_array_equal(first, search.ask(again, rng).candidates)

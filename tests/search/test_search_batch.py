@@ -15,13 +15,17 @@ from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Meter
 from study.problem import Floats
 from study.registry import planner_named, planner_names, unavailable_planners
-from study.search.batch import minimise_many
+from study.search.batched_rng import BatchedRng
+from study.search.cfpso import CFPSO
 from study.search.chaotic_spso import ChaoticSPSO
-from study.search.draws import Generators
+from study.search.de import DE
+from study.search.dynamic_adaptive_pso import DynamicAdaptivePSO
 from study.search.gold_sa import GoldSA
 from study.search.golds_pso import GoldSPSO
-from study.search.loop import Box, Search, SideBySide, minimise
-from study.search.pso import PSO, Flight
+from study.search.loop import minimise, minimise_many
+from study.search.pso import PSO, VelocityUpdate
+from study.search.simple_pso import SimplePSO
+from study.search.state import BatchedSearch, Box, Search
 
 N_RUNS = 5
 
@@ -37,7 +41,7 @@ SEARCHES: dict[str, Search[Any]] = {
 } | {
     "gold-sa, linked, every coordinate": GoldSA(linked=True, per_dimension=True),
     "golds-pso without its sine": GoldSPSO(golden_sine=False),
-    "pso, reflected": PSO(flight=Flight(bounds="reflect")),
+    "pso, reflected": PSO(velocity=VelocityUpdate(bounds="reflect")),
     "chaotic-spso from everywhere": ChaoticSPSO(chaotic_start=False, asynchronous=False),
 }
 
@@ -56,14 +60,19 @@ def test_equals_runs_one_by_one(name: str) -> None:
         np.testing.assert_array_equal(alone.incumbents, batched.incumbents)
 
 
-def test_all_searches_but_gravity_share_one_state() -> None:
+@pytest.mark.parametrize("search", [PSO(), CFPSO(), ChaoticSPSO(), DynamicAdaptivePSO(), SimplePSO(), DE()])
+def test_swarms_and_differential_evolution_move_all_runs_in_one_call(search: Search[Any]) -> None:
     """So that thirty repetitions cost a handful of array operations for each generation."""
-    assert {name for name, search in SEARCHES.items() if not isinstance(search, SideBySide)} == {"gsa"}
+    assert isinstance(search, BatchedSearch)
+    box, rngs = Box(np.zeros(3), np.ones(3)), generators()
+    state = search.batch([search.init(box, 8, 5, rng) for rng in rngs])
+    told = search.tell(state, state.candidates.sum(axis=2), BatchedRng(tuple(rngs)))
+    assert search.ask(told, BatchedRng(tuple(rngs))).candidates.shape == (N_RUNS, 8, 3)
 
 
 @pytest.mark.parametrize("shape", [(4, 2), (4, 1), (3, 4, 2), (2, 4, 1)])
 def test_generators_draw_what_each_would_alone(shape: tuple[int, ...]) -> None:
-    together = Generators(tuple(generators())).random(shape)
+    together = BatchedRng(tuple(generators())).random(shape)
     apart = [rng.random(shape) for rng in generators()]
     np.testing.assert_array_equal(together, np.stack(apart, axis=len(shape) - 2))
 

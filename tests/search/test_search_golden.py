@@ -9,9 +9,10 @@ import pytest
 from study.planning import Meter
 from study.search.gold_sa import TAU, GoldSA, Sections
 from study.search.golds_pso import GoldSPSO, s_curve
-from study.search.loop import Box, minimise
+from study.search.loop import minimise
 from study.search.pso import linear
 from study.search.simple_pso import SimplePSO
+from study.search.state import Box
 from tests.helpers.searches import BOX, bowl, candidates
 
 PLAIN = GoldSPSO(circle_start=False, s_curve_inertia=False, golden_sine=False)
@@ -98,17 +99,22 @@ def test_golds_pso_equals_its_transcription_candidate_by_candidate(seed):
     assert ours == pytest.approx(transcribed_golds_pso(6, seed, 0.8, 1.3, 1.7), abs=1e-12)
 
 
+def stepped(sections, better):
+    """Sections after one evaluation, better than the best before or not."""
+    return sections.after(np.array([-1.0 if better else 1.0]), 0.0, np.random.default_rng(0))
+
+
 def test_each_evaluation_is_compared_with_the_best_before_it():
     """Of 3, 4, 2 after a best of 5 the first and the last are new bests; 4 is not, though it beats 5."""
     start = Sections.of(-np.pi, np.pi)
-    expected = start.stepped(True).stepped(False).stepped(True)
+    expected = stepped(stepped(stepped(start, True), False), True)
     assert start.after(np.array([3.0, 4.0, 2.0]), 5.0, np.random.default_rng(0)) == expected
 
 
 def test_golden_sections_shrink_by_the_golden_ratio():
     sections = Sections.of(-np.pi, np.pi)
     for better in (True, False, False, True, True):
-        smaller = sections.stepped(better)
+        smaller = stepped(sections, better)
         assert smaller.b - smaller.a == pytest.approx(TAU * (sections.b - sections.a))
         assert (smaller.x1, smaller.x2) == pytest.approx(
             (Sections.of(smaller.a, smaller.b).x1, Sections.of(smaller.a, smaller.b).x2)

@@ -9,8 +9,9 @@ from study.planning import Meter
 from study.search.cfpso import CFPSO, constriction
 from study.search.chaotic_spso import ChaoticSPSO
 from study.search.dynamic_adaptive_pso import DynamicAdaptivePSO
-from study.search.loop import Box, minimise
-from study.search.pso import PSO, Flight, linear, swarm_at_rest
+from study.search.loop import minimise
+from study.search.pso import PSO, VelocityUpdate, linear, swarm_at_rest
+from study.search.state import Box
 from tests.helpers.searches import BOX, bowl, candidates
 
 CHI = 0.729843788128357  # Clerc and Kennedy 2002, for c1 = c2 = 2.05
@@ -37,12 +38,12 @@ def transcribed_pso(start, generations, weights, v_max, rng):
     return np.array(seen)
 
 
-@pytest.mark.parametrize("flight", [Flight(0.2), Flight(1.0), Flight(0.3, unit="absolute")])
-def test_pso_equals_its_transcription_candidate_by_candidate(flight):
-    ours = candidates(PSO((0.7, 0.7), 1.5, 1.8, flight))
+@pytest.mark.parametrize("velocity", [VelocityUpdate(0.2), VelocityUpdate(1.0), VelocityUpdate(0.3, unit="absolute")])
+def test_pso_equals_its_transcription_candidate_by_candidate(velocity):
+    ours = candidates(PSO((0.7, 0.7), 1.5, 1.8, velocity))
     rng = np.random.default_rng(0)
     start = BOX.at(rng.random((12, 3)))
-    v_max = flight.clamp * BOX.width if flight.unit == "share" else np.full(3, flight.clamp)
+    v_max = velocity.clamp * BOX.width if velocity.unit == "share" else np.full(3, velocity.clamp)
     assert ours == pytest.approx(transcribed_pso(start, 25, (0.7, 1.5, 1.8), v_max, rng), abs=1e-12)
     assert (np.abs(np.diff(ours, axis=0)) <= v_max + 1e-12).all()
 
@@ -84,12 +85,12 @@ def test_pso_moves_with_its_problem():
 
 
 def test_cfpso_is_pso_with_three_times_the_constriction():
-    flight = Flight(0.5)
+    velocity = VelocityUpdate(0.5)
     assert constriction(4.1) == pytest.approx(CHI)
-    reduced = PSO((CHI, CHI), CHI * 2.05, CHI * 2.05, flight)
-    assert candidates(CFPSO(flight=flight)) == pytest.approx(candidates(reduced), abs=1e-9)
-    inertia_only = PSO((CHI, CHI), 2.05, 2.05, flight)
-    assert candidates(CFPSO(inertia_only=True, flight=flight)) == pytest.approx(candidates(inertia_only), abs=1e-9)
+    reduced = PSO((CHI, CHI), CHI * 2.05, CHI * 2.05, velocity)
+    assert candidates(CFPSO(velocity=velocity)) == pytest.approx(candidates(reduced), abs=1e-9)
+    inertia_only = PSO((CHI, CHI), 2.05, 2.05, velocity)
+    assert candidates(CFPSO(inertia_only=True, velocity=velocity)) == pytest.approx(candidates(inertia_only), abs=1e-9)
 
 
 def test_chaotic_spso_without_its_novelties_is_pso():
@@ -100,7 +101,7 @@ def test_chaotic_spso_without_its_novelties_is_pso():
 
 
 def test_dynamic_adaptive_pso_with_constant_factors_moves_as_pso():
-    bare = DynamicAdaptivePSO(inertia=(0.9, 0.4), learning=(2.0, 2.0), flight=Flight())
+    bare = DynamicAdaptivePSO(inertia=(0.9, 0.4), learning=(2.0, 2.0), velocity=VelocityUpdate())
     rng = np.random.default_rng(0)
     state = bare.tell(bare.init(BOX, 12, 9, rng), np.arange(12.0), rng)
     moves = [search.ask(state, np.random.default_rng(5)).candidates for search in (bare, PSO())]
@@ -140,7 +141,9 @@ def test_dynamic_adaptive_start_of_eq_15():
 
 def test_asynchronous_factors_trade_places(monkeypatch):
     seen = []
-    monkeypatch.setattr("study.search.chaotic_spso.flown", lambda state, rng, weights, flight: seen.append(weights))
+    monkeypatch.setattr(
+        "study.search.chaotic_spso.moved_swarm", lambda state, rng, weights, velocity: seen.append(weights)
+    )
     for state in states(ChaoticSPSO(), 10):
         ChaoticSPSO().ask(state, np.random.default_rng(0))
     w, c1, c2 = np.transpose(seen)
@@ -165,9 +168,9 @@ def test_linear_goes_from_end_to_end():
 
 def test_basic_pso_explains_the_papers_sphere_and_the_standard_pso_beats_it():
     """Woodworking paper, Table 3, F1: PSO 37.3 and CFPSO 1.23 with an absolute clamp of 3 and no walls."""
-    box, loose = Box(np.full(30, -100.0), np.full(30, 100.0)), Flight(3.0, unit="absolute", bounds="free")
+    box, loose = Box(np.full(30, -100.0), np.full(30, 100.0)), VelocityUpdate(3.0, unit="absolute", bounds="free")
     means = []
-    for search in (PSO((1.0, 1.0), 1.49445, 1.49445, loose), CFPSO(inertia_only=True, flight=loose), PSO()):
+    for search in (PSO((1.0, 1.0), 1.49445, 1.49445, loose), CFPSO(inertia_only=True, velocity=loose), PSO()):
         meters = [Meter(lambda x: (x**2).sum(axis=1), 30_000) for _ in range(3)]
         for seed, meter in enumerate(meters):
             minimise(search, meter, box, 30, np.random.default_rng(seed))

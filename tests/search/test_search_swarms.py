@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from study import StudyError
-from study.planners import aubo, plain, puma, woodworking
+from study.planners import aubo, puma, woodworking
+from study.planners.other_searches import PSO_STANDARD, RANDOM_SEARCH
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Meter
 from study.search.cfpso import CFPSO
@@ -14,15 +15,16 @@ from study.search.chaotic_spso import ChaoticSPSO
 from study.search.dynamic_adaptive_pso import DynamicAdaptivePSO
 from study.search.gold_sa import GoldSA
 from study.search.golds_pso import GoldSPSO
-from study.search.loop import Box, minimise
-from study.search.pso import Flight
+from study.search.loop import minimise
+from study.search.pso import VelocityUpdate
+from study.search.state import Box
 
 PLANNERS = {
     name: planner
-    for module in (woodworking, aubo, puma, plain)
+    for module in (woodworking, aubo, puma)
     for name, planner in vars(module).items()
     if isinstance(planner, SegmentTimePlanner)
-}
+} | {"PSO_STANDARD": PSO_STANDARD, "RANDOM_SEARCH": RANDOM_SEARCH}
 SEARCHES = {name: planner.search for name, planner in PLANNERS.items()}
 READ = [GoldSA, GoldSPSO, DynamicAdaptivePSO, ChaoticSPSO]
 
@@ -99,7 +101,7 @@ def test_other_impossible_constants_are_refused():
     with pytest.raises(StudyError, match="sum exceeds 4, got 2 and 2"):
         CFPSO(cognitive=2.0, social=2.0)
     with pytest.raises(StudyError, match="unit of a velocity clamp 'shares'"):
-        Flight(unit="shares")
+        VelocityUpdate(unit="shares")
 
 
 @pytest.mark.parametrize("name", SEARCHES)

@@ -9,10 +9,11 @@ import pytest
 from scipy import stats
 
 from study.planning import Meter
-from study.search.loop import Box, minimise
+from study.search.loop import minimise
 from study.search.population import new_population
 from study.search.sma import SMA, arctanh_factor, fitness_weights, restarted
 from study.search.smwoa import SMWOA
+from study.search.state import Box
 from study.search.woa import WOA
 from tests.helpers.fixed import Fixed
 

@@ -11,9 +11,10 @@ import pytest
 
 from study.planning import Meter
 from study.search.chaos import MAPS, chaotic_population
-from study.search.loop import Box, minimise
+from study.search.loop import minimise
 from study.search.population import new_population
 from study.search.ssa import SSA
+from study.search.state import Box
 from tests.helpers.fixed import Fixed
 
 BOX = Box(np.full(3, -50.0), np.full(3, 50.0))

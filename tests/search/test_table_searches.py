@@ -11,9 +11,10 @@ from scipy import optimize, stats
 from study.planning import Meter
 from study.search.de import DE, three_others
 from study.search.gsa import GSA, GravityState, halves
-from study.search.loop import Box, minimise
+from study.search.loop import minimise
 from study.search.population import new_population
 from study.search.sca import SCA
+from study.search.state import Box
 from study.search.stoa import STOA
 from tests.helpers.fixed import Fixed
 

@@ -20,7 +20,7 @@ NUMBER = 7
 
 def scaled_plan(problem, settings, durations):
     curve = curve_named(settings.curve)
-    durations = Scaled(problem, curve).realise(durations[None])[0]
+    durations = Scaled(problem, curve).durations(durations[None])[0]
     motion = curve.motion(problem.waypoints, durations)
     return Plan(Status.FINISHED, motion, durations, evaluations=1, history=np.array([[1.0, durations.sum()]]))
 

@@ -31,7 +31,7 @@ class Good:
 
     def plan(self, problem, settings):
         curve = curve_named(settings.curve)
-        durations = Scaled(problem, curve).realise(self.durations(problem, settings)[None])[0]
+        durations = Scaled(problem, curve).durations(self.durations(problem, settings)[None])[0]
         return Plan(Status.FINISHED, motion=curve.motion(problem.waypoints, durations), durations=durations)
 
 

@@ -32,7 +32,7 @@ from study.reproduction.motion_runs import MotionCell, OptimumCell, Summary, jud
 from study.reproduction.verdicts import Outcome, Place, Ruling, claim, missing
 from study.robots import robot_named
 from study.robots.helix import helix_configurations, helix_points
-from study.search.loop import Search
+from study.search.state import Search
 
 PAPER = "ur5-tadf-ssa"
 CASE = "ur5-helix"

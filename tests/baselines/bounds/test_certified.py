@@ -193,7 +193,7 @@ def test_a_feasible_spline_is_never_relaxed_away(rates: tuple[float, float, floa
     problem = random_problem(5, 5, 2, rates)
     scaled, rng = Scaled(problem, CURVES["cubic-spline"]), np.random.default_rng(0)
     for width in np.geomspace(1e-3, 1.0, 25):
-        durations = scaled.realise(rng.uniform(0.6, 1.6, size=(1, 4)))[0]
+        durations = scaled.durations(rng.uniform(0.6, 1.6, size=(1, 4)))[0]
         units = Units.of(problem, float(durations.sum()))
         low = durations * np.exp(-width * rng.uniform(size=4)) / units.time
         high = durations * np.exp(width * rng.uniform(size=4)) / units.time

@@ -1,20 +1,19 @@
-"""Which code computes a population's peak rates: NumPy, always there, or numba's compiled twin, with the extra `fast`.
+"""Choice of the engine that runs populations: NumPy, always there, or numba, with the extra `fast`.
 
-The choice depends on the run's own budget and on what is installed, never on how far a run has come or on the machine's
-load, so that a cell's result is the same whoever computes it. Both agree to rounding only: a search may turn at another
-last bit, and so results record the engine.
+The choice depends on the run's own budget and on the installed packages, never on how far a run has come or on the
+machine's load, so that a result is the same whoever computes it. Compiled curves agree with NumPy to rounding only: a
+search may turn at another last bit, and so results record the engine. Compiled searches give NumPy's own bits.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
+from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
 
-from study.curves import Curve
 from study.errors import unknown
 
 VARIABLE = "STUDY_ENGINE"
@@ -26,12 +25,12 @@ as long as NumPy takes for 10^5 evaluations of a spline; the quick study has 200
 
 
 def installed() -> bool:
-    """Whether numba can be imported; does not import it."""
+    """Tell whether numba can be imported; does not import numba."""
     return find_spec("numba") is not None
 
 
 def chosen(evaluations: int | None = None) -> str:
-    """Name the engine, `numpy` or `numba`, for a run with that many evaluations; without a number, for a long one.
+    """Name the engine, `numpy` or `numba`, for a run with that many evaluations; without a number, for a long run.
 
     The environment variable STUDY_ENGINE decides if it says `numpy` or `numba`.
 
@@ -49,28 +48,13 @@ def chosen(evaluations: int | None = None) -> str:
     return NUMPY if wish == AUTO and short else NUMBA
 
 
-def with_engine(curve: Curve, evaluations: int | None = None) -> Curve:
-    """Give a curve the peaks of the engine chosen for a run; numba is imported here and not before.
-
-    Parameters
-    ----------
-    curve : Curve
-    evaluations : int, optional
-        Budget of the run; without one the run counts as long.
-    """
-    compiled = twins(_compiled, evaluations)
-    if compiled is None or curve.name not in compiled.PEAKS:
-        return curve
-    return replace(curve, peaks=compiled.PEAKS[curve.name], demand=compiled.demand, penalty=compiled.penalty)
-
-
-def twins(load: Callable[[], ModuleType], evaluations: int | None = None) -> ModuleType | None:
-    """Import compiled twins for a run with that many evaluations; none where NumPy computes.
+def compiled_module(load: Callable[[], ModuleType], evaluations: int | None = None) -> ModuleType | None:
+    """Import compiled variants for a run with that many evaluations; None where NumPy computes.
 
     Parameters
     ----------
     load : callable () -> module
-        Imports them, and numba with them.
+        Imports the variants, and numba with them.
     evaluations : int, optional
         Budget of the run; without one the run counts as long.
     """
@@ -79,21 +63,19 @@ def twins(load: Callable[[], ModuleType], evaluations: int | None = None) -> Mod
 
 @cache
 def _loaded(load: Callable[[], ModuleType]) -> ModuleType | None:
-    """Import compiled twins once; none where numba does not load or finds no folder for its cache."""
+    """Import compiled variants once; None where numba does not load or finds no folder for its cache."""
+    try:
+        import_module("numba")
+    except ImportError:
+        return None
     try:
         return load()
-    except (ImportError, RuntimeError):
+    except RuntimeError:  # numba's word for no folder
         return None
 
 
-def _compiled() -> ModuleType:
-    from study.curves import compiled
-
-    return compiled
-
-
 def described() -> str:
-    """Say in a few words what computes peak rates here, for a result's environment."""
+    """Say in a few words which engine computes peak rates here, for a result's environment."""
     if not installed():
         return "NumPy"
     wish = os.environ.get(VARIABLE) or AUTO

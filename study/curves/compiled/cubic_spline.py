@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from study.curves.kernels import kernel
+from study.curves.compiled.kernels import kernel
 from study.problem import Floats
 
 Number = Any

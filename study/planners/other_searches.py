@@ -1,9 +1,9 @@
-"""Opponents of the papers' planners: the searches of the PUMA560 paper's table, and strong or plain ones of ours.
+"""Planners of the PUMA560 paper's table of searches and planners of no paper: plain, modern and SciPy's searches.
 
 References
 ----------
-PUMA560 paper, Table 3 (STOA, SCA). The others stand in no paper: CMA-ES, SciPy's L-BFGS-B, differential evolution and
-DIRECT, and the centre of the box, which any search must beat.
+PUMA560 paper, Table 3 (STOA, SCA). The others stand in no paper: the standard particle swarm, random search, CMA-ES,
+SciPy's L-BFGS-B, differential evolution and DIRECT, and the centre of the box, which any search must beat.
 """
 
 from __future__ import annotations
@@ -19,8 +19,10 @@ from study.planners.segment_times import SegmentTimePlanner, plan_segment_times
 from study.planning import Meter, Plan, RunSettings
 from study.problem import Floats, Problem
 from study.search.cma_es import CMAES
-from study.search.loop import Box
+from study.search.pso import PSO, VelocityUpdate
+from study.search.random_search import RandomSearch
 from study.search.sca import SCA
+from study.search.state import Box
 from study.search.stoa import STOA
 
 HOPELESS = 1e9
@@ -188,6 +190,15 @@ class Centre:
         meter(box.at(np.full(len(box.lower), 0.5))[None])
 
 
+PSO_STANDARD = SegmentTimePlanner(
+    PSO(
+        inertia=(0.9, 0.4),  # Shi and Eberhart 1998
+        cognitive=2.0,  # Kennedy and Eberhart 1995
+        social=2.0,
+        velocity=VelocityUpdate(clamp=0.2, unit="share", bounds="clip"),  # ours
+    )
+)
+RANDOM_SEARCH = SegmentTimePlanner(RandomSearch())
 STOA_PLANNER = SegmentTimePlanner(STOA())
 SCA_PLANNER = SegmentTimePlanner(SCA())
 CMA_ES = SegmentTimePlanner(CMAES())

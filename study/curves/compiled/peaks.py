@@ -1,6 +1,6 @@
-"""The compiled twins of the curve families' peak rates; importing this file imports numba.
+"""Peak rates of the curve families by compiled kernels; importing this file imports numba.
 
-Each agrees with its NumPy twin to rounding (1e-12 of the peak). Without the jerk of the B-spline and without the smooth
+Each agrees with its NumPy form to rounding (1e-12 of the peak). Without the jerk of the B-spline and without the smooth
 spline, which no published case needs, so that these stay with NumPy.
 """
 
@@ -11,7 +11,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from study.curves import bspline, compiled_353, compiled_bspline, compiled_demand, compiled_spline, poly353
+from study.curves import bspline, poly353
+from study.curves.compiled import bspline as compiled_bspline
+from study.curves.compiled import cubic_spline as compiled_spline
+from study.curves.compiled import demand as compiled_demand
+from study.curves.compiled import poly353 as compiled_353
 from study.problem import Floats
 
 Orders = tuple[int, ...]

@@ -1,4 +1,4 @@
-"""Compiled peak rates of the parametric B-spline: the same closed forms and cubics as its NumPy twin, piece by piece.
+"""Compiled peak rates of the parametric B-spline: the same closed forms and cubics as in NumPy, piece by piece.
 
 With t' = e0 + e1 u + e2 u^2 and q' = d0 + d1 u + d2 u^2, velocity is q'/t' and acceleration N/t'^3 with N = q''t' - q't''.
 """
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from study.curves.kernels import inlined, kernel
+from study.curves.compiled.kernels import inlined, kernel
 from study.problem import Floats
 
 Number = Any

@@ -13,10 +13,10 @@ from study.curves import curve_named
 from study.errors import StudyError
 from study.formulation import Scaled
 from study.judge import judge
-from study.planners import opponents, smwoa, sparrow
+from study.planners import other_searches, smwoa, sparrow
 from study.planning import Meter, RunSettings, Status
 from study.problem import JointLimits, Problem
-from study.search.loop import Box
+from study.search.state import Box
 
 PROBLEM = Problem(
     "three joints",
@@ -26,7 +26,7 @@ PROBLEM = Problem(
 )
 PLANNERS = {
     f"{module.__name__.rpartition('.')[2]}.{name}": planner
-    for module in (opponents, smwoa, sparrow)
+    for module in (other_searches, smwoa, sparrow)
     for name, planner in vars(module).items()
     if hasattr(planner, "plan") and not isinstance(planner, type)
 }
@@ -76,7 +76,7 @@ def test_every_planner_keeps_the_contract(name, synchronisation):
         assert (np.diff(plan.history[:, 1]) <= 0).all()
 
 
-@pytest.mark.parametrize("planner", [opponents.DIRECT, opponents.CENTRE])
+@pytest.mark.parametrize("planner", [other_searches.DIRECT, other_searches.CENTRE])
 def test_planners_that_call_themselves_deterministic_are(planner):
     assert not planner.stochastic
     totals = {
@@ -87,10 +87,10 @@ def test_planners_that_call_themselves_deterministic_are(planner):
 
 
 @pytest.mark.parametrize("name", ["LBFGSB_PLANNER", "SCIPY_DE", "CMA_ES"])
-def test_strong_opponents_reach_the_reference(name):
+def test_strong_searches_reach_the_reference(name):
     if name == "CMA_ES":
         pytest.importorskip("cmaes", reason="the peer package cmaes is not installed")
-    planner = getattr(opponents, name)
+    planner = getattr(other_searches, name)
     settings = RunSettings("cubic-spline", evaluations=6000, population=30, formulation="scaled")
     total = planner.plan(PROBLEM, settings).durations.sum()
     reference = optimum_total()
@@ -99,7 +99,7 @@ def test_strong_opponents_reach_the_reference(name):
 
 
 def test_the_centre_is_equal_durations_stretched():
-    plan = opponents.CENTRE.plan(PROBLEM, SETTINGS)
+    plan = other_searches.CENTRE.plan(PROBLEM, SETTINGS)
     assert plan.evaluations == 1
     np.testing.assert_allclose(plan.durations, plan.durations[0])
     assert judge(PROBLEM, plan.motion).worst_ratio == pytest.approx(1.0)
@@ -107,24 +107,24 @@ def test_the_centre_is_equal_durations_stretched():
 
 def test_a_planner_that_needs_its_own_formulation_takes_it_and_says_so():
     penalty = RunSettings("cubic-spline", evaluations=100, formulation="penalty")
-    plan = opponents.LBFGSB_PLANNER.plan(PROBLEM, penalty)
+    plan = other_searches.LBFGSB_PLANNER.plan(PROBLEM, penalty)
     assert judge(PROBLEM, plan.motion).feasible
     assert plan.message == "always takes the scaled formulation"
-    assert opponents.LBFGSB_PLANNER.plan(PROBLEM, SETTINGS).message == ""
+    assert other_searches.LBFGSB_PLANNER.plan(PROBLEM, SETTINGS).message == ""
 
 
 def test_finite_differences_are_counted():
     calls = []
     meter = Meter(lambda x: calls.append(len(x)) or ((np.log(x) - 0.3) ** 2).sum(axis=1), 100)
     box = Box(np.full(4, 0.1), np.full(4, 10.0))
-    opponents.LBFGSB().minimise(meter, box, 20, np.random.default_rng(0))
+    other_searches.LBFGSB().minimise(meter, box, 20, np.random.default_rng(0))
     assert calls == [5] * 20
     assert meter.incumbent == pytest.approx(np.full(4, np.exp(0.3)), abs=1e-4)
 
 
 def test_a_box_that_begins_at_zero_has_logarithms():
     meter = Meter(lambda x: np.abs(x - 0.5).sum(axis=1), 300)
-    opponents.LBFGSB().minimise(meter, Box(np.zeros(2), np.ones(2)), 20, np.random.default_rng(0))
+    other_searches.LBFGSB().minimise(meter, Box(np.zeros(2), np.ones(2)), 20, np.random.default_rng(0))
     assert meter.incumbent_value < 0.01
 
 
@@ -133,10 +133,10 @@ def test_infinite_values_do_not_stop_the_descent():
         return np.where(x[:, 0] > 2 * x[:, 1], np.inf, np.abs(x - [1.0, 2.0]).sum(axis=1))
 
     meter = Meter(partly, 900)
-    opponents.LBFGSB().minimise(meter, Box(np.full(2, 0.1), np.full(2, 10.0)), 20, np.random.default_rng(0))
+    other_searches.LBFGSB().minimise(meter, Box(np.full(2, 0.1), np.full(2, 10.0)), 20, np.random.default_rng(0))
     assert meter.incumbent_value < 1e-3
     meter = Meter(lambda x: np.full(len(x), np.inf), 90)
-    opponents.LBFGSB().minimise(meter, Box(np.full(2, 0.1), np.full(2, 10.0)), 20, np.random.default_rng(0))
+    other_searches.LBFGSB().minimise(meter, Box(np.full(2, 0.1), np.full(2, 10.0)), 20, np.random.default_rng(0))
     assert meter.evaluations == 90
     assert meter.incumbent is None
 
@@ -149,17 +149,17 @@ def test_runs_of_different_length_still_make_one_history():
         duration_bounds=(0.1, 5.0),
     )
     settings = RunSettings("cubic-spline", evaluations=200, synchronisation="per-joint", formulation="scaled")
-    plan = opponents.SCIPY_DE.plan(problem, settings)
+    plan = other_searches.SCIPY_DE.plan(problem, settings)
     assert plan.history[-1, 0] == plan.evaluations == 400
 
 
 def test_a_missing_peer_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "cmaes", None)
     with pytest.raises(StudyError, match="needs the Python package 'cmaes'; install it with pip"):
-        opponents.CMA_ES.plan(PROBLEM, SETTINGS)
+        other_searches.CMA_ES.plan(PROBLEM, SETTINGS)
 
 
 def test_cma_es_says_what_it_cannot_search():
     short = Problem("one segment", np.array([[0.0], [1.0]]), JointLimits(np.ones(1)))
     with pytest.raises(StudyError, match="at least 2 dimensions, got 20 and 1"):
-        opponents.CMA_ES.plan(short, SETTINGS)
+        other_searches.CMA_ES.plan(short, SETTINGS)

@@ -1,4 +1,4 @@
-"""Compiled twins of `study.curves.demanded` and `penalised`: from peak rates to an objective value."""
+"""Compiled stretch factor and penalty; see `study.curves.demanded` and `penalised`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from study.curves.kernels import kernel
+from study.curves.compiled.kernels import kernel
 from study.problem import Floats
 
 

@@ -1,4 +1,4 @@
-"""How every kernel is compiled: cached on disk, divisions as NumPy has them, products and sums fused where the machine can."""
+"""Compilation options of the kernels: cached on disk, NumPy's divisions, products and sums fused where possible."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from study.curves.kernels import inlined, kernel
+from study.curves.compiled.kernels import inlined, kernel
 from study.problem import Floats
 
 Number = Any
