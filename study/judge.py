@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study.errors import StudyError
+from study.limits import RATES
 from study.problem import EndCondition, Floats, Problem
-from study.trajectory import Motion
+from study.trajectory import Extrema, Motion
 
 TOLERANCE = 1e-6
 """Largest relative excess over a limit that still counts as rounding."""
 
-RATES = ("velocity", "acceleration", "jerk")
+__all__ = ["RATES", "TOLERANCE", "Verdict", "judge"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +73,21 @@ class Verdict:
         """Largest share of any rate limit in use."""
         return float(self.ratios.max())
 
+    @property
+    def stretch(self) -> float:
+        """Slow-down factor, at least 1, after which the motion keeps every limit of rates; time scaling is exact."""
+        return max(1.0, float((self.ratios.max(axis=1) ** (1.0 / np.arange(1, 4))).max()))
+
 
 @dataclass(frozen=True)
 class _Finding:
     excess: float
     sentence: str
+
+    @property
+    def broken(self) -> bool:
+        """Whether the demand is not met; an excess that is not a number counts as broken."""
+        return not self.excess <= TOLERANCE
 
 
 def judge(problem: Problem, motion: Motion) -> Verdict:
@@ -107,7 +118,8 @@ def judge(problem: Problem, motion: Motion) -> Verdict:
             f"case {problem.name!r}: the motion must have {problem.n_joints} joints and pass {problem.n_waypoints} waypoints, "
             f"it has {motion.n_joints} and {n_passed}"
         )
-    return _measured(problem, motion)
+    with np.errstate(over="ignore", invalid="ignore"):  # what is not finite becomes a finding
+        return _measured(problem, motion)
 
 
 def _measured(problem: Problem, motion: Motion) -> Verdict:
@@ -117,12 +129,14 @@ def _measured(problem: Problem, motion: Motion) -> Verdict:
     times = np.stack([rate.at_peak for rate in rates])
     low, high = problem.waypoints.min(axis=0), problem.waypoints.max(axis=0)
     ends = [motion(np.array([0.0, motion.duration]), order) for order in (1, 2)]
-    error = np.abs(motion(passed) - problem.waypoints).max(axis=0)
+    error = np.abs(motion(_spanning(passed, motion.duration)) - problem.waypoints).max(axis=0)
     outside = np.maximum(problem.limits.lower - position.lowest, position.highest - problem.limits.upper)
-    ratios = peaks / problem.limits.rates
+    ratios = _ratios(problem, rates)
     steps = [np.abs(motion.jumps(order)).max(axis=0, initial=0.0) for order in range(3)]
     scales = _scales(problem, peaks)
     findings = [
+        *_finite_findings(problem, motion.duration, np.stack([position.peak, *peaks]), [error, *steps, *ends]),
+        *_time_findings(passed, motion.duration),
         *_rate_findings(problem, ratios, times),
         *_waypoint_findings(problem, error),
         *_step_findings(problem, steps, scales),
@@ -142,9 +156,25 @@ def _measured(problem: Problem, motion: Motion) -> Verdict:
         end_velocity=ends[0],
         end_acceleration=ends[1],
         overshoot=np.maximum(np.maximum(low - position.lowest, position.highest - high), 0.0),
-        violation=max([0.0, *(finding.excess for finding in findings)]),
-        reasons=tuple(finding.sentence for finding in findings if finding.excess > TOLERANCE),
+        violation=float(
+            np.nan_to_num([0.0, *(finding.excess for finding in findings)], nan=np.inf, posinf=np.inf).max()
+        ),
+        reasons=tuple(finding.sentence for finding in findings if finding.broken),
     )
+
+
+def _spanning(passed: Floats, duration: float) -> Floats:
+    """Times at which the waypoints are looked for: the first at the start, the last at the end, whatever the motion says."""
+    return np.concatenate([[0.0], passed[1:-1], [duration]])
+
+
+def _ratios(problem: Problem, rates: list[Extrema]) -> Floats:
+    """Shares of the limits in use, shape (3, n_joints): 0 where there is no limit."""
+    highest, lowest = problem.limits.highest_rates, problem.limits.lowest_rates
+    up = np.stack([rate.highest for rate in rates]) / highest
+    down = np.stack([rate.lowest for rate in rates]) / lowest
+    shares = np.maximum(np.where(np.isfinite(highest), up, 0.0), np.where(np.isfinite(lowest), down, 0.0))
+    return np.where(np.isnan(shares), np.inf, np.maximum(shares, 0.0))
 
 
 def _spans(problem: Problem) -> Floats:
@@ -166,6 +196,28 @@ def _scales(problem: Problem, peaks: Floats) -> list[Floats]:
 
 def _at_joint(problem: Problem, joint: int) -> str:
     return problem.joint_names[joint]
+
+
+def _finite_findings(problem: Problem, duration: float, peaks: Floats, others: list[Floats]) -> Iterator[_Finding]:
+    """Nothing may overflow, not even a rate without a limit: what is not finite cannot be measured."""
+    if not 0 < duration < np.inf:
+        yield _Finding(np.inf, f"the duration is not a positive number, but {duration:g} s")
+    broken = ~np.isfinite(peaks)
+    if broken.any():
+        order, joint = np.argwhere(broken)[0]
+        yield _Finding(np.inf, f"{('position', *RATES)[order]} of {_at_joint(problem, int(joint))} is not finite")
+    elif not all(np.isfinite(values).all() for values in others):
+        yield _Finding(np.inf, "the motion is not finite at a knot, an end or a waypoint")
+
+
+def _time_findings(passed: Floats, duration: float) -> Iterator[_Finding]:
+    """Waypoints are passed in order, the first at the start and the last at the end."""
+    late = float(max(abs(passed[0]), abs(passed[-1] - duration)) / duration)
+    yield _Finding(
+        late, f"passes the first waypoint at {passed[0]:.6g} s and the last at {passed[-1]:.6g} s of {duration:.6g} s"
+    )
+    back = float(-np.diff(passed).min() / duration)
+    yield _Finding(np.inf if back > 0 else back, "passes the waypoints out of order")
 
 
 def _rate_findings(problem: Problem, ratios: Floats, times: Floats) -> Iterator[_Finding]:

@@ -3,112 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from enum import Enum
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
+from study.arrays import Floats, frozen_array
+from study.demands import Demand, EndCondition
 from study.errors import StudyError
+from study.limits import OPTIONAL, JointLimits
 
-Floats = NDArray[np.float64]
-
-
-class EndCondition(Enum):
-    """What a motion must do at its first and last instant."""
-
-    FREE = "may start and end in motion"
-    REST = "starts and ends at rest"
-    SMOOTH = "starts and ends at rest with zero acceleration"
-
-
-def frozen_array(values: ArrayLike, what: str) -> Floats:
-    """Copy numbers into a read-only float array, or say which of them is not a number."""
-    try:
-        array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise StudyError(f"{what} must be a rectangular table of numbers: {error}") from None
-    if np.isnan(array).any():
-        where = ", ".join(str(i + 1) for i in np.argwhere(np.isnan(array))[0])
-        raise StudyError(f"{what} holds a value that is not a number (NaN) at position {where}; give a number there")
-    array.setflags(write=False)
-    return array
-
-
-@dataclass(frozen=True, eq=False)
-class JointLimits:
-    """Symmetric limits on the rates of every joint; infinity means that the joint has no such limit.
-
-    Parameters
-    ----------
-    velocity : array of shape (n_joints,), rad/s or m/s
-    acceleration : array of shape (n_joints,), rad/s^2 or m/s^2, optional
-    jerk : array of shape (n_joints,), rad/s^3 or m/s^3, optional
-    lower, upper : arrays of shape (n_joints,), rad or m, optional
-        The range of positions.
-
-    Raises
-    ------
-    StudyError
-        If lengths differ, a limit is zero, negative or not a number, or a range of positions is empty.
-    """
-
-    velocity: Floats
-    acceleration: Floats = field(default_factory=lambda: np.array(np.inf))
-    jerk: Floats = field(default_factory=lambda: np.array(np.inf))
-    lower: Floats = field(default_factory=lambda: np.array(-np.inf))
-    upper: Floats = field(default_factory=lambda: np.array(np.inf))
-
-    def __post_init__(self) -> None:
-        shape = np.shape(self.velocity)
-        if len(shape) != 1 or not shape[0]:
-            raise StudyError(f"velocity limits must be a list with one number per joint, got shape {shape}")
-        for name in ("velocity", "acceleration", "jerk", "lower", "upper"):
-            array = frozen_array(getattr(self, name), f"{name} limits")
-            if array.shape not in (shape, ()):
-                raise StudyError(f"{name} limits must have one number for each of {shape[0]} joints, got {array.size}")
-            object.__setattr__(self, name, frozen_array(np.broadcast_to(array, shape), name))
-        for name, rates in zip(("velocity", "acceleration", "jerk"), self.rates, strict=True):
-            for joint, value in enumerate(rates):
-                if value <= 0:
-                    raise StudyError(
-                        f"{name} limit of joint {joint + 1} must be positive, got {value:g}; leave it out for no limit"
-                    )
-        if (self.lower >= self.upper).any():
-            joint = int(np.argmax(self.lower >= self.upper))
-            raise StudyError(
-                f"position limits of joint {joint + 1} are empty: lower {self.lower[joint]:g}, upper {self.upper[joint]:g}"
-            )
-
-    @property
-    def n_joints(self) -> int:
-        """Number of joints."""
-        return len(self.velocity)
-
-    @property
-    def rates(self) -> Floats:
-        """Velocity, acceleration and jerk limits as one array of shape (3, n_joints)."""
-        return np.stack([self.velocity, self.acceleration, self.jerk])
-
-    def joint(self, index: int) -> JointLimits:
-        """Limits of one joint alone."""
-        pick = slice(index, index + 1)
-        return JointLimits(
-            self.velocity[pick], self.acceleration[pick], self.jerk[pick], self.lower[pick], self.upper[pick]
-        )
-
-    def scaled(self, factor: float) -> JointLimits:
-        """Limits under which every motion takes exactly `factor` times as long: divided by factor, its square, its cube."""
-        return replace(
-            self,
-            velocity=self.velocity / factor,
-            acceleration=self.acceleration / factor**2,
-            jerk=self.jerk / factor**3,
-        )
-
-
-FROM_LIMITS = (0.0, 0.0)
-"""Duration bounds that nobody gave."""
+__all__ = ["Demand", "EndCondition", "Floats", "JointLimits", "Problem", "frozen_array", "usual_bounds"]
 
 
 def usual_bounds(waypoints: Floats, limits: JointLimits) -> tuple[float, float]:
@@ -168,7 +72,7 @@ class Problem:
     waypoints: Floats
     limits: JointLimits
     end: EndCondition = EndCondition.REST
-    duration_bounds: tuple[float, float] = FROM_LIMITS
+    duration_bounds: tuple[float, float] = OPTIONAL
     allow_dwell: bool = False
     joint_names: Sequence[str] = ()
 
@@ -190,7 +94,7 @@ class Problem:
             )
         self._check_neighbours(where)
         self._check_positions(where)
-        if self.duration_bounds == FROM_LIMITS:
+        if self.duration_bounds is None:
             object.__setattr__(self, "duration_bounds", usual_bounds(points, self.limits))
         lower, upper = self.duration_bounds
         if not 0 <= lower < upper < np.inf:
@@ -231,6 +135,19 @@ class Problem:
     def n_segments(self) -> int:
         """Number of segments between waypoints."""
         return len(self.waypoints) - 1
+
+    @property
+    def demands(self) -> frozenset[Demand]:
+        """Everything that the problem asks of a motion beyond passing the waypoints."""
+        limits = self.limits
+        asked = {
+            Demand.VELOCITY: np.isfinite(limits.velocity).any(),
+            Demand.ACCELERATION: np.isfinite(limits.acceleration).any(),
+            Demand.JERK: np.isfinite(limits.jerk).any(),
+            Demand.POSITION_RANGE: np.isfinite([limits.lower, limits.upper]).any(),
+            Demand.DIRECTIONAL_LIMITS: not limits.symmetric,
+        }
+        return frozenset(demand for demand, holds in asked.items() if holds)
 
     def joint(self, index: int) -> Problem:
         """Take the problem of one joint alone; its neighbouring waypoints may then be equal."""

@@ -5,6 +5,7 @@ import pytest
 
 from study import EndCondition, JointLimits, Problem, StudyError, Trajectory, judge
 from study.curves import CURVES
+from study.demands import PLAIN, Demand, refusal
 
 WOODWORKING = np.array(
     [[0.8, 0.578, 0.688, 0.459], [1.2, 0.868, 0.567, 0.964], [3.141, 1.897, 1.468, 2.355], [0, 1.047, 1.771, 0.754]]
@@ -168,3 +169,74 @@ def test_tiny_and_huge_units_are_judged_alike():
         assert judge(case, motion).feasible
         missed = Problem("p", [[0.0], [unit * 1.01]], JointLimits([1.6 * unit], [6.5 * unit]))
         assert not judge(missed, motion).feasible
+
+
+def through_three(times=(0.0, 1.0, 2.0)):
+    """Rest to rest to rest over 0, 1, 0.5, one second each; the waypoints are said to be passed at the given times."""
+    legs = np.array([[0, 0, 3.0, -2.0], [1.0, 0, -1.5, 1.0]])[:, :, None]
+    return Trajectory(np.arange(3.0), legs, np.array(times))
+
+
+def order(points):
+    return Problem("order", [[q] for q in points], JointLimits([2.0], [7.0]))
+
+
+def test_waypoints_in_another_order_are_refused():
+    assert judge(order([0, 1, 0.5]), through_three()).feasible
+    verdict = judge(Problem("order", [[0.0], [0.5], [1.0], [0.5]], JointLimits([2.0], [7.0])), swapped())
+    assert "passes the waypoints out of order" in verdict.reasons
+    assert verdict.violation == np.inf
+
+
+def swapped():
+    """Passes 0, 1, 0.5, and says so of a problem that wants 0, 0.5, 1, 0.5."""
+    motion = through_three()
+    return Trajectory(motion.knots, motion.coefficients, np.array([0.0, 2.0, 1.0, 2.0]))
+
+
+@pytest.mark.parametrize("times", [(0.5, 1.0, 2.0), (0.0, 1.0, 1.5), (0.1, 1.0, 1.9)])
+def test_a_motion_that_begins_or_ends_away_from_its_waypoints_is_refused(times):
+    points = through_three()(np.array(times))[:, 0]
+    reasons = judge(order(points), through_three(times)).reasons
+    assert any("passes the first waypoint at" in reason for reason in reasons)
+
+
+def test_a_jerk_that_overflows_is_a_reason_and_hides_no_other():
+    limits = JointLimits([10.0, 10.0], [100.0, 100.0], [np.inf, 0.001])
+    problem = Problem("overflow", [[0, 0], [1, 1]], limits, EndCondition.FREE)
+    coefficients = np.zeros((2, 5, 2))
+    coefficients[0, 4, 0] = 1e307
+    coefficients[1] = [[0, 0], [1, 0.5], [0, 0], [0, 0.5], [0, 0]]
+    coefficients[0, 1] = [1, 0.5]
+    verdict = judge(problem, Trajectory(np.array([0, 1e-154, 1]), coefficients, np.array([0.0, 1.0])))
+    assert "jerk of joint 1 is not finite" in verdict.reasons
+    assert any("jerk of joint 2 reaches 3000 of its limit" in reason for reason in verdict.reasons)
+    assert not np.isnan(verdict.ratios).any()
+
+
+def test_each_direction_has_its_own_limit():
+    there = Problem("p", [[0.0], [1.0]], JointLimits([1.5], min_velocity=[-0.1]))
+    back = Problem("p", [[1.0], [0.0]], JointLimits([1.5], min_velocity=[-0.1]))
+    assert judge(there, cubic()).feasible
+    homeward = Trajectory(np.array([0.0, 1.0]), np.array([[[1.0], [0], [-3.0], [2.0]]]), np.array([0.0, 1.0]))
+    verdict = judge(back, homeward)
+    assert verdict.ratios[0, 0] == pytest.approx(15)
+    assert verdict.stretch == pytest.approx(15)
+    assert judge(back, homeward.scaled(verdict.stretch)).feasible
+
+
+@pytest.mark.parametrize(("kind", "peak", "power"), [("velocity", 1.5, 1), ("acceleration", 6.0, 2), ("jerk", 12.0, 3)])
+def test_the_stretch_makes_a_motion_just_feasible(kind, peak, power):
+    tight = problem(**{kind: peak / 8})
+    verdict = judge(tight, cubic())
+    assert verdict.stretch == pytest.approx(8 ** (1 / power))
+    assert judge(tight, cubic().scaled(verdict.stretch)).worst_ratio == pytest.approx(1)
+    assert judge(problem(), cubic()).stretch == 1.0
+
+
+def test_a_planner_declines_what_it_does_not_know():
+    limits = JointLimits([1.0], [2.0], [3.0], [-4.0], [5.0], min_velocity=[-0.5])
+    demands = Problem("p", [[0.0], [1.0]], limits).demands
+    assert demands == PLAIN | {Demand.DIRECTIONAL_LIMITS}
+    assert refusal(demands, frozenset({Demand.VELOCITY})).startswith("the planner does not know limits that differ")
+    assert refusal(demands, frozenset({Demand.DIRECTIONAL_LIMITS})) == ""

@@ -16,8 +16,9 @@ from study.datafiles import checked
 from study.errors import StudyError, plural
 from study.io.limits import OneJoint, read_limits
 from study.io.rows import WaypointRows, read_rows
+from study.limits import OPTIONAL
 from study.planning import usual_curve
-from study.problem import FROM_LIMITS, EndCondition, Floats, JointLimits, Problem
+from study.problem import EndCondition, Floats, JointLimits, Problem
 from study.robots import robot_named
 
 _RATES = ("velocity", "acceleration", "jerk")
@@ -87,7 +88,7 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
         waypoints=table if rows and rows.si else table * factors,
         limits=_limits(file.limits, [read.get(name, OneJoint()) for name in names], factors, where),
         end=_end(file, read),
-        duration_bounds=_duration_bounds(file),
+        duration_bounds=_duration_bounds(file) or OPTIONAL,
         joint_names=names,
     )
     robot = _robot(file.robot, path, problem)
@@ -109,9 +110,9 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
     )
 
 
-def _duration_bounds(file: OwnCase) -> tuple[float, float]:
+def _duration_bounds(file: OwnCase) -> tuple[float, float] | None:
     bounds = file.duration_bounds
-    return (bounds.lower, bounds.upper) if bounds else FROM_LIMITS
+    return (bounds.lower, bounds.upper) if bounds else None
 
 
 def bare_content(path: Path, units: str | None, limits: Sequence[Path]) -> dict[str, Any]:

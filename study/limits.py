@@ -1,0 +1,122 @@
+"""Limits of the joints: velocity, acceleration and jerk in each direction, and the range of positions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from study.arrays import Floats, frozen_array
+from study.errors import StudyError
+
+RATES = ("velocity", "acceleration", "jerk")
+
+OPTIONAL: Any = None
+"""Default of a field that may be left out, and that the object fills in; `Any`, because the filled field is no `None`."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointLimits:
+    """Limits on the rates and positions of every joint; infinity, or None for a whole field, means no limit.
+
+    Parameters
+    ----------
+    velocity : array of shape (n_joints,), rad/s or m/s
+        In the positive direction, and in the negative one unless `min_velocity` says otherwise.
+    acceleration : array of shape (n_joints,), rad/s^2 or m/s^2, optional
+    jerk : array of shape (n_joints,), rad/s^3 or m/s^3, optional
+    lower, upper : arrays of shape (n_joints,), rad or m, optional
+        The range of positions.
+    min_velocity, min_acceleration, min_jerk : arrays of shape (n_joints,), same units, optional
+        Negative limits in the negative direction; by default the opposite of the positive ones.
+
+    Raises
+    ------
+    StudyError
+        If lengths differ, a limit has the wrong sign or is not a number, or a range of positions is empty.
+    """
+
+    velocity: Floats
+    acceleration: Floats = OPTIONAL
+    jerk: Floats = OPTIONAL
+    lower: Floats = OPTIONAL
+    upper: Floats = OPTIONAL
+    min_velocity: Floats = OPTIONAL
+    min_acceleration: Floats = OPTIONAL
+    min_jerk: Floats = OPTIONAL
+
+    def __post_init__(self) -> None:
+        shape = self._shape()
+        for name in RATES:
+            self._set(name, getattr(self, name), np.inf, shape)
+            self._set(f"min_{name}", getattr(self, f"min_{name}"), -getattr(self, name), shape)
+            self._check_signs(name)
+        self._set("lower", self.lower, -np.inf, shape)
+        self._set("upper", self.upper, np.inf, shape)
+        if (self.lower >= self.upper).any():
+            joint = int(np.argmax(self.lower >= self.upper))
+            raise StudyError(
+                f"position limits of joint {joint + 1} are empty: lower {self.lower[joint]:g}, upper {self.upper[joint]:g}"
+            )
+
+    def _shape(self) -> tuple[int]:
+        shape = np.shape(frozen_array([] if self.velocity is None else self.velocity, "velocity limits"))
+        if len(shape) != 1 or not shape[0]:
+            raise StudyError(f"velocity limits must be a list with one number per joint, got shape {shape}")
+        return (shape[0],)
+
+    def _set(self, name: str, given: ArrayLike | None, default: ArrayLike, shape: tuple[int]) -> None:
+        array = frozen_array(default if given is None else given, f"{name} limits")
+        if array.shape not in (shape, ()):
+            raise StudyError(f"{name} limits must have one number for each of {shape[0]} joints, got {array.size}")
+        object.__setattr__(self, name, frozen_array(np.broadcast_to(array, shape), name))
+
+    def _check_signs(self, name: str) -> None:
+        for joint, (value, least) in enumerate(zip(getattr(self, name), getattr(self, f"min_{name}"), strict=True)):
+            if value <= 0:
+                raise StudyError(
+                    f"{name} limit of joint {joint + 1} must be positive, got {value:g}; leave it out for no limit"
+                )
+            if least >= 0:
+                raise StudyError(f"min_{name} limit of joint {joint + 1} must be negative, got {least:g}")
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints."""
+        return len(self.velocity)
+
+    @property
+    def highest_rates(self) -> Floats:
+        """Limits in the positive direction, shape (3, n_joints), positive."""
+        return np.stack([self.velocity, self.acceleration, self.jerk])
+
+    @property
+    def lowest_rates(self) -> Floats:
+        """Limits in the negative direction, shape (3, n_joints), negative."""
+        return np.stack([self.min_velocity, self.min_acceleration, self.min_jerk])
+
+    @property
+    def rates(self) -> Floats:
+        """Velocity, acceleration and jerk that both directions allow, shape (3, n_joints)."""
+        return np.minimum(self.highest_rates, -self.lowest_rates)
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether both directions have the same limits."""
+        return bool((self.highest_rates == -self.lowest_rates).all())
+
+    def joint(self, index: int) -> JointLimits:
+        """Limits of one joint alone."""
+        pick = slice(index, index + 1)
+        return JointLimits(**{name: getattr(self, name)[pick] for name in self.__dataclass_fields__})
+
+    def scaled(self, factor: float) -> JointLimits:
+        """Limits under which every motion takes exactly `factor` times as long: divided by factor, its square, its cube."""
+        changes = {
+            f"{side}{name}": getattr(self, f"{side}{name}") / factor**order
+            for side in ("", "min_")
+            for order, name in enumerate(RATES, start=1)
+        }
+        return replace(self, **changes)
