@@ -16,7 +16,7 @@ import numpy as np
 from scipy import optimize
 
 from study.planners.segment_times import SegmentTimePlanner, plan_segment_times
-from study.planning import Meter, Plan, RunSettings
+from study.planning import Formulation, Meter, Plan, RunSettings
 from study.problem import Floats, Problem
 from study.search.cma_es import CMAES
 from study.search.pso import PSO, VelocityUpdate
@@ -43,12 +43,12 @@ class MinimiserPlanner:
     Parameters
     ----------
     minimiser : Minimiser
-    formulation : str, optional
+    formulation : Formulation, optional
         The formulation that it needs, whatever the settings ask for; None takes theirs.
     """
 
     minimiser: Minimiser
-    formulation: str | None = None
+    formulation: Formulation | None = None
     stochastic: ClassVar[bool] = True
     segment_times: ClassVar[bool] = True
 
@@ -202,8 +202,8 @@ RANDOM_SEARCH = SegmentTimePlanner(RandomSearch())
 STOA_PLANNER = SegmentTimePlanner(STOA())
 SCA_PLANNER = SegmentTimePlanner(SCA())
 CMA_ES = SegmentTimePlanner(CMAES())
-LBFGSB_PLANNER = MinimiserPlanner(LBFGSB(), formulation="scaled")  # the penalty form jumps: no gradient to follow
-LBFGSB_ONCE = DeterministicMinimiserPlanner(LBFGSB(restarts=False), formulation="scaled")
+LBFGSB_PLANNER = MinimiserPlanner(LBFGSB(), Formulation.SCALED)  # the penalty form jumps: no gradient to follow
+LBFGSB_ONCE = DeterministicMinimiserPlanner(LBFGSB(restarts=False), Formulation.SCALED)
 SCIPY_DE = MinimiserPlanner(ScipyDE())
 DIRECT = DeterministicMinimiserPlanner(Direct())
-CENTRE = DeterministicMinimiserPlanner(Centre(), formulation="scaled")
+CENTRE = DeterministicMinimiserPlanner(Centre(), Formulation.SCALED)
