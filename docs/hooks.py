@@ -62,11 +62,11 @@ def _ledger() -> str:
 
 
 def _planners() -> str:
-    rows = ["| name | kind | motion |", "|---|---|---|"]
+    rows = ["| name | kind | may change | how it works |", "|---|---|---|---|"]
     for name in planner_names():
         planner = planner_named(name)
         kind = "search" if planner.stochastic else "deterministic"
-        rows.append(f"| `{name}` | {kind} | {'on the chosen curve' if planner.segment_times else 'its own'} |")
+        rows.append(f"| `{name}` | {kind} | {planner.freedom} | {planner.about} |")
     return "\n".join(rows)
 
 

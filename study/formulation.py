@@ -1,14 +1,15 @@
-"""Objectives of segment durations, penalised or scaled, for a whole population at once."""
+"""From segment durations to an objective value, for a whole population at once."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from study.curves import Curve
-from study.planning import Formulation
+from study.errors import unknown
 from study.problem import Floats, JointLimits, Problem
 
 
@@ -85,15 +86,12 @@ class Scaled:
         return candidates * self._factors(candidates)[:, None]
 
 
-Objective = Penalty | Scaled
+Formulation = Penalty | Scaled
+FORMULATIONS: dict[str, Callable[[Problem, Curve], Formulation]] = {"penalty": Penalty, "scaled": Scaled}
 
 
-def objective_of(formulation: Formulation | str, problem: Problem, curve: Curve) -> Objective:
-    """Objective of a problem on a curve family.
-
-    Raises
-    ------
-    StudyError
-        If there is no such formulation.
-    """
-    return (Scaled if Formulation(formulation) is Formulation.SCALED else Penalty)(problem, curve)
+def formulation_named(name: str, problem: Problem, curve: Curve) -> Formulation:
+    """Build a formulation by name, or say which there are."""
+    if name not in FORMULATIONS:
+        raise unknown("formulation", name, FORMULATIONS)
+    return FORMULATIONS[name](problem, curve)

@@ -1,22 +1,21 @@
-"""Planner interface, run settings, plan and evaluation meter."""
+"""What a planner is, what it is asked and what it answers, and the meter that counts evaluations."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from enum import Enum
+from enum import Enum, StrEnum
 from typing import ClassVar, Protocol
 
 import numpy as np
 
-from study.choices import Choice
 from study.errors import StudyError
-from study.problem import EndCondition, Floats, Problem
+from study.problem import Demand, EndCondition, Floats, Problem
 from study.trajectory import Motion
 
 
 class Status(Enum):
-    """End of a planner's work; members read as sentences."""
+    """How a planner ended; members read as sentences."""
 
     FINISHED = "the planner finished"
     NOT_CONVERGED = "the planner stopped before it converged"
@@ -25,27 +24,9 @@ class Status(Enum):
     TIMED_OUT = "the time limit of the cell was reached"
 
 
-class Formulation(Choice):
-    """Form of the objective: the papers' penalty, or every candidate stretched until it is exactly feasible."""
-
-    PENALTY = "penalty"
-    SCALED = "scaled"
-
-
-class Synchronisation(Choice):
-    """Rule by which joints share segment durations.
-
-    `per-joint` searches each joint alone and takes the longest duration of every segment; `shared` searches all joints
-    together.
-    """
-
-    PER_JOINT = "per-joint"
-    SHARED = "shared"
-
-
 @dataclass(frozen=True)
 class RunSettings:
-    """Settings of one run; a planner takes from them what it needs.
+    """How one run is to be made; a planner takes from it what it needs.
 
     Attributes
     ----------
@@ -55,30 +36,23 @@ class RunSettings:
     evaluations : int
         Budget of every search: curve evaluations of the joints it moves.
     population : int
-    formulation : Formulation
-        Or its text, such as "scaled".
-    synchronisation : Synchronisation
-        Or its text, such as "per-joint".
+    formulation : str
+        `penalty` (the papers' form) or `scaled` (every candidate stretched until it is exactly feasible).
+    synchronisation : str
+        `per-joint` (each joint alone, then the longest duration of every segment) or `shared`.
     time_limit : float, s
         Wall time after which a solver should stop by itself.
-
-    Raises
-    ------
-    StudyError
-        If the budget or the population is empty, or an option is unknown.
     """
 
     curve: str
     seed: int = 0
     evaluations: int = 2000
     population: int = 50
-    formulation: Formulation = Formulation.PENALTY
-    synchronisation: Synchronisation = Synchronisation.SHARED
+    formulation: str = "penalty"
+    synchronisation: str = "shared"
     time_limit: float = 60.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "formulation", Formulation(self.formulation))
-        object.__setattr__(self, "synchronisation", Synchronisation(self.synchronisation))
         if self.evaluations < 1 or self.population < 1:
             raise StudyError(
                 f"budget and population must be at least 1, got {self.evaluations} evaluations, population {self.population}"
@@ -119,27 +93,78 @@ class Plan:
     details: Mapping[str, float] = field(default_factory=dict)
 
 
-class Planner(Protocol):
-    """Anything that turns a problem into a plan.
+class Freedom(StrEnum):
+    """Part of the motion that a planner may change; times of different kinds answer different questions."""
 
-    Attributes
-    ----------
-    stochastic : bool
-        Whether the seed matters, so that the runner repeats it.
-    segment_times : bool
-        Whether it optimises segment durations on the settings' curve (and so takes a formulation and a synchronisation).
+    CURVE = "case's curve"
+    PATH = "fixed path"
+    FREE = "free path"
+
+    @property
+    def meaning(self) -> str:
+        """One line for the pages."""
+        return _FREEDOMS[self]
+
+
+_FREEDOMS = {
+    Freedom.CURVE: "the curve family of the case, its paper's where there is one; a method chooses the segment durations"
+    " and nothing else",
+    Freedom.PATH: "the geometric path is given; a method chooses the speed along it",
+    Freedom.FREE: "any motion through the waypoints; the path between them is the method's own",
+}
+
+RATE_LIMITS = frozenset({Demand.VELOCITY, Demand.ACCELERATION, Demand.JERK})
+"""Demands that most planners know; a range of positions is then left to the judge."""
+
+
+class Planner(Protocol):
+    """A method that turns a problem into a plan, and describes itself; tables, pages and tests ask the planner alone.
+
+    Class attributes or fields do for the four properties.
     """
 
-    stochastic: ClassVar[bool]
-    segment_times: ClassVar[bool]
+    @property
+    def about(self) -> str:
+        """One line that says how the method works."""
+
+    @property
+    def freedom(self) -> Freedom:
+        """Part of the motion that it may change; `CURVE` takes a formulation and a synchronisation from the settings."""
+
+    @property
+    def knows(self) -> frozenset[Demand]:
+        """Demands of a problem that it plans with; `RATE_LIMITS` is the usual set."""
+
+    @property
+    def stochastic(self) -> bool:
+        """Whether the seed matters, so that the runner repeats it."""
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Plan a motion; failures come back as a status with a message, not as an exception."""
 
 
+def undescribed(planner: object) -> str:
+    """Say in one sentence which part of the description of a planner is missing or wrong; empty where none is."""
+    known = getattr(planner, "knows", None)
+    about = getattr(planner, "about", None)
+    wrong = {
+        "a method `plan(problem, settings)`": not callable(getattr(planner, "plan", None)),
+        "`about`, one line that says how it works": not (
+            isinstance(about, str) and about.strip() and "\n" not in about
+        ),
+        "`freedom`, a member of `study.planning.Freedom`": not isinstance(getattr(planner, "freedom", None), Freedom),
+        "`knows`, a frozenset of `study.demands.Demand`": not (
+            isinstance(known, frozenset) and all(isinstance(demand, Demand) for demand in known)
+        ),
+        "`stochastic`, True or False": not isinstance(getattr(planner, "stochastic", None), bool),
+    }
+    missing = [part for part, lacking in wrong.items() if lacking]
+    return f"a planner describes itself, and this lacks {' and '.join(missing)}" if missing else ""
+
+
 def usual_settings(problem: Problem) -> RunSettings:
     """Choose settings for a problem of one's own: a curve that fits, all joints together, every candidate made feasible."""
-    return RunSettings(curve=usual_curve(problem), formulation=Formulation.SCALED)
+    return RunSettings(curve=usual_curve(problem), formulation="scaled", synchronisation="shared")
 
 
 def usual_curve(problem: Problem) -> str:

@@ -13,7 +13,7 @@ from typing import cast
 
 from study.code_digest import code_digest
 from study.errors import StudyError, unknown
-from study.planning import Planner
+from study.planning import Planner, undescribed
 
 GROUP = "study.planners"
 
@@ -83,7 +83,6 @@ def _load(name: str, path: tuple[str, ...]) -> Planner:
         raise StudyError(
             f"planner {name!r} could not be loaded from {entry.value!r}: {type(error).__name__}: {error}"
         ) from error
-    missing = [part for part in ("plan", "stochastic", "segment_times") if not hasattr(planner, part)]
-    if missing:
-        raise StudyError(f"planner {name!r} ({entry.value}) is not a planner: it has no {', no '.join(missing)}")
+    if reason := undescribed(planner):
+        raise StudyError(f"planner {name!r} ({entry.value}) is not a planner: {reason}")
     return cast(Planner, planner)

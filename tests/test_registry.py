@@ -1,8 +1,11 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
+from study.demands import Demand
 from study.errors import StudyError
+from study.planning import RATE_LIMITS, Freedom, undescribed
 from study.registry import planner_named, planner_names, planner_version, unavailable_planners
 from study.runs.lineup import (
     AS_IN_PAPER,
@@ -54,7 +57,7 @@ def test_stubs_are_gone_without_the_fixture():
         ("gold-pso", "no planner 'gold-pso'; did you mean 'golds-pso'? known: "),
         ("stub-missing", "needs the Python package 'a_package_that_nobody_has', which is not installed"),
         ("stub-broken", "could not be loaded from 'stub_planners:NO_SUCH_THING': AttributeError"),
-        ("stub-number", "is not a planner: it has no plan, no stochastic, no segment_times"),
+        ("stub-number", "is not a planner: a planner describes itself, and this lacks a method `plan"),
     ],
 )
 def test_what_is_wrong_with_a_planner_is_one_sentence(stubs, name, sentence):
@@ -93,7 +96,7 @@ def test_default_lineup_has_each_headline_search_twice_and_each_deterministic_pl
     for name in set(HEADLINE_SEARCHES) & set(planner_names()):
         assert [spec for spec in lineup if spec.planner == name] == [Spec(name), Spec(name, "scaled", "shared")]
     deterministic = [name for name in loadable() if not planner_named(name).stochastic]
-    on_the_curve = [name for name in deterministic if planner_named(name).segment_times]
+    on_the_curve = [name for name in deterministic if planner_named(name).freedom is Freedom.CURVE]
     expected = [Spec(name) for name in deterministic] + [Spec(name, None, AS_IN_PAPER) for name in on_the_curve]
     assert [spec for spec in lineup if spec.planner not in HEADLINE_SEARCHES] == expected
     assert set(lineup) < set(full_lineup())
@@ -133,3 +136,30 @@ def test_the_budget_of_searches_makes_no_other_cell_of_a_planner_that_takes_none
 def test_budgets_are_checked(wrong):
     with pytest.raises(StudyError, match=r"at least 1|positive"):
         Budget(**wrong)
+
+
+def test_a_planner_describes_itself_in_one_line_each():
+    for name in loadable():
+        planner = planner_named(name)
+        assert planner.about
+        assert "\n" not in planner.about
+        assert planner.about[0].islower() or planner.about.startswith(("DIRECT", "Ruckig", "TOPP-RA"))
+        assert undescribed(planner) == ""
+    assert planner_named("ssa-as-printed").about.startswith(
+        planner_named("ssa").about + "; its formulas exactly as printed"
+    )
+
+
+def test_planners_know_what_they_plan_with():
+    assert Demand.JERK not in planner_named("toppra").knows
+    assert planner_named("ruckig-stops").knows == RATE_LIMITS | {Demand.POSITION_RANGE}
+    freedoms = {planner_named(name).freedom for name in ("casadi-nlp", "copp", "quintic-nlp")}
+    assert freedoms == set(Freedom)
+
+
+def test_a_planner_that_says_too_little_is_told_what_it_lacks():
+    silent = SimpleNamespace(plan=print, about="two\nlines", freedom="free path", knows={Demand.JERK}, stochastic=True)
+    assert undescribed(silent) == (
+        "a planner describes itself, and this lacks `about`, one line that says how it works and `freedom`, a member of "
+        "`study.planning.Freedom` and `knows`, a frozenset of `study.demands.Demand`"
+    )

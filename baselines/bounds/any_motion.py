@@ -13,8 +13,8 @@ from baselines.free_path.nlp import free_path
 from baselines.state_to_state.via import ruckig_via
 from study.deadline import noted
 from study.judge import judge
-from study.planning import Plan, RunSettings, Status
-from study.problem import Problem
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.problem import Demand, Problem
 from study.trajectory import Motion
 
 
@@ -35,8 +35,10 @@ class AnyMotionBound:
 
     n_cells: int = 64
     refinements: int = 3
+    about: ClassVar[str] = "no planner but a proof: a time that no motion through the waypoints can undercut"
+    freedom: ClassVar[Freedom] = Freedom.FREE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Prove a bound; it stands in the details as `lower_bound`, s.

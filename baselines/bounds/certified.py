@@ -22,9 +22,10 @@ from baselines.segment_times.bspline_curve import velocity_bound
 from baselines.segment_times.nlp import optimise
 from study.curves import curve_named
 from study.deadline import noted
+from study.errors import unknown
 from study.formulation import Scaled
-from study.planning import Plan, RunSettings, Status, Synchronisation
-from study.problem import Floats, Problem
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.problem import Demand, Floats, Problem
 
 GAP = 1e-6
 """Relative distance between upper and lower bound at which the search ends."""
@@ -175,8 +176,10 @@ def _optimum(problem: Problem, curve: str, seed: int, time_limit: float) -> Floa
 class Certified:
     """The planner `certified`."""
 
+    about: ClassVar[str] = "the global optimum on the curve by branch and bound, with a proof"
+    freedom: ClassVar[Freedom] = Freedom.CURVE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = True
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Certify all joints together, or each alone and then take the longest duration of every segment.
@@ -187,9 +190,11 @@ class Certified:
         Raises
         ------
         StudyError
-            If CasADi is missing.
+            If the synchronisation is unknown or CasADi is missing.
         """
-        alone = settings.synchronisation is Synchronisation.PER_JOINT
+        if settings.synchronisation not in ("shared", "per-joint"):
+            raise unknown("synchronisation", settings.synchronisation, ("per-joint", "shared"))
+        alone = settings.synchronisation == "per-joint"
         parts = [problem.joint(j) for j in range(problem.n_joints)] if alone else [problem]
         reason = next((text for text in (obstacle(part, settings.curve) for part in parts) if text), "")
         if reason:

@@ -31,8 +31,8 @@ from baselines.segment_times.nlp import optimise
 from study.curves import curve_named
 from study.deadline import IPOPT_LATE, noted
 from study.judge import judge
-from study.planning import Plan, RunSettings, Status
-from study.problem import EndCondition, Floats, Problem
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.problem import Demand, EndCondition, Floats, Problem
 from study.trajectory import Motion, Trajectory
 
 DEGREE = 5
@@ -199,8 +199,10 @@ class BSplineNlp:
 
     spans: int = 3
     most: int = 120
+    about: ClassVar[str] = "one B-spline through the waypoints, its control points optimised by IPOPT"
+    freedom: ClassVar[Freedom] = Freedom.FREE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Solve the NLP; only the settings' time limit matters. A StudyError says if CasADi is missing."""

@@ -23,8 +23,8 @@ from study.curves import CURVES
 from study.deadline import noted
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import Plan, RunSettings, Status
-from study.problem import EndCondition, Floats, Problem
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.problem import Demand, EndCondition, Floats, Problem
 from study.trajectory import Motion, Trajectory
 
 ROUNDS = 5
@@ -208,8 +208,10 @@ class FreePathNlp:
     """
 
     pieces: int = 8
+    about: ClassVar[str] = "free path in short pieces of polynomials, optimised by IPOPT"
+    freedom: ClassVar[Freedom] = Freedom.FREE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Solve the NLP within the settings' time limit.

@@ -19,8 +19,8 @@ import numpy as np
 from baselines.path_timing.toppra import Path, chord_path, grid
 from study import polynomial
 from study.judge import judge
-from study.planning import Plan, RunSettings, Status
-from study.problem import Floats, Problem
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.problem import Demand, Floats, Problem
 from study.trajectory import Trajectory
 
 ROUNDS = 6
@@ -111,8 +111,10 @@ class Copp:
     """
 
     per_segment: int = 20
+    about: ClassVar[str] = "speed along a given path with a jerk limit, by cone programs (COPP)"
+    freedom: ClassVar[Freedom] = Freedom.PATH
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Parameterize the path; the settings do not matter."""

@@ -22,8 +22,8 @@ from baselines.segment_times.model import ca, require_casadi
 from study import polynomial
 from study.deadline import IPOPT_LATE, noted
 from study.judge import judge
-from study.planning import Plan, RunSettings, Status
-from study.problem import EndCondition, Floats, Problem
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.problem import Demand, EndCondition, Floats, Problem
 from study.trajectory import Trajectory
 
 OPTIONS = {"print_level": 0, "sb": "yes", "max_iter": 500, "tol": 1e-8}
@@ -206,8 +206,10 @@ class Topp3NLP:
 
     halvings: int = 1
     rounds: int = 3
+    about: ClassVar[str] = "speed along a given path with a jerk limit, by IPOPT"
+    freedom: ClassVar[Freedom] = Freedom.PATH
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Parameterize the path; only the settings' time limit matters.

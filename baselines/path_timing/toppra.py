@@ -23,8 +23,8 @@ from study import polynomial
 from study.curves import cubic_spline
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import Plan, RunSettings, Status
-from study.problem import Floats, JointLimits, Problem
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.problem import Demand, Floats, JointLimits, Problem
 from study.trajectory import Trajectory
 
 UNLIMITED = 1e9
@@ -211,8 +211,10 @@ class Toppra:
 
     per_segment: int = 200
     worst_stretch: float = 1.001
+    about: ClassVar[str] = "TOPP-RA: the fastest speed along a given path, without a jerk limit"
+    freedom: ClassVar[Freedom] = Freedom.PATH
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS - {Demand.JERK}
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Retime the path; the settings do not matter.

@@ -22,8 +22,8 @@ from baselines.segment_times.starts import feasible, starts
 from study.curves import curve_named
 from study.errors import StudyError, unknown
 from study.formulation import Scaled, stretch
-from study.planning import Plan, RunSettings, Status, Synchronisation
-from study.problem import Floats, Problem
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.problem import Demand, Floats, Problem
 
 AGREEING = 1e-7
 """Relative distance at which two totals are the same optimum."""
@@ -172,8 +172,10 @@ class CasadiNlp:
     """
 
     starts: int = 3
+    about: ClassVar[str] = "segment durations by nonlinear programming (CasADi and IPOPT)"
+    freedom: ClassVar[Freedom] = Freedom.CURVE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = True
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Optimise all joints together, or each alone and then take the longest duration of every segment.
@@ -181,9 +183,11 @@ class CasadiNlp:
         Raises
         ------
         StudyError
-            If the curve is unknown or does not fit the waypoints, or CasADi is missing.
+            If the curve or synchronisation is unknown or does not fit the waypoints, or CasADi is missing.
         """
-        alone = settings.synchronisation is Synchronisation.PER_JOINT
+        if settings.synchronisation not in ("shared", "per-joint"):
+            raise unknown("synchronisation", settings.synchronisation, ("per-joint", "shared"))
+        alone = settings.synchronisation == "per-joint"
         parts = [problem.joint(j) for j in range(problem.n_joints)] if alone else [problem]
         share = settings.time_limit / len(parts)
         answers = [
@@ -213,7 +217,7 @@ def _together(answers: list[Answer]) -> dict[str, float]:
 
 
 def _bound(problem: Problem, settings: RunSettings) -> dict[str, float]:
-    if settings.curve != "bspline" or settings.synchronisation is not Synchronisation.SHARED:
+    if settings.curve != "bspline" or settings.synchronisation != "shared":
         return {}
     return {"lower_bound": velocity_bound(problem)}
 

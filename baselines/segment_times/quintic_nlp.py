@@ -18,8 +18,8 @@ from baselines.segment_times.nlp import optimise
 from baselines.segment_times.polynomial_curves import limited_orders
 from baselines.segment_times.quintic_curve import FIRST_POINTS, Quintic
 from study.curves import CURVES, curve_named
-from study.planning import Plan, RunSettings, Status
-from study.problem import EndCondition, Problem
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.problem import Demand, EndCondition, Problem
 from study.trajectory import Motion
 
 
@@ -31,8 +31,12 @@ class QuinticNlp:
     zero where it demands rest or a smooth end, else free within the limits. The settings' curve does not matter.
     """
 
+    about: ClassVar[str] = (
+        "quintic segments with free velocities and accelerations at the waypoints, optimised by IPOPT"
+    )
+    freedom: ClassVar[Freedom] = Freedom.FREE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Optimise durations, and velocities and accelerations at the waypoints, of all joints together.

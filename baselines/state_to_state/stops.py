@@ -14,8 +14,8 @@ import numpy as np
 
 from baselines.state_to_state.moves import at_rest, chain, in_own_time, ruckig_module
 from study.errors import StudyError
-from study.planning import Plan, RunSettings, Status
-from study.problem import Problem
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.problem import Demand, Problem
 from study.trajectory import Trajectory
 
 
@@ -38,8 +38,12 @@ def ruckig_stops(problem: Problem) -> Trajectory:
 class RuckigStops:
     """Planner `ruckig-stops`: rest to rest between neighbouring waypoints."""
 
+    about: ClassVar[str] = "Ruckig from waypoint to waypoint, with a stop at each"
+    freedom: ClassVar[Freedom] = Freedom.FREE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS | {
+        Demand.POSITION_RANGE
+    }  # a stop never leaves the waypoints' range
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Move and stop, waypoint by waypoint; the settings do not matter.

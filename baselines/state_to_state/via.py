@@ -29,8 +29,8 @@ from baselines.state_to_state.via_times import Model, Passing, Timing
 from study.deadline import noted
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import Plan, RunSettings, Status
-from study.problem import Floats, Problem
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.problem import Demand, Floats, Problem
 from study.trajectory import Trajectory
 
 FIRST_RADIUS, LAST_RADIUS = 0.3, 1e-7
@@ -201,8 +201,10 @@ class RuckigVia:
 
     rounds: int = 200
     pieces: int = 8
+    about: ClassVar[str] = "Ruckig through the waypoints without stopping, the states there optimised"
+    freedom: ClassVar[Freedom] = Freedom.FREE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Optimise within the settings' time limit.

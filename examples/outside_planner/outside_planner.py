@@ -10,8 +10,8 @@ import numpy as np
 from study.curves import curve_named
 from study.formulation import Scaled
 from study.planners.segment_times import SegmentTimePlanner
-from study.planning import Plan, RunSettings, Status
-from study.problem import Floats, Problem
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.problem import Demand, Floats, Problem
 from study.search.state import Box, State
 
 
@@ -19,7 +19,9 @@ class ChordRule:
     """Segment durations in proportion to the distance, every joint measured in its velocity limit; then just feasible."""
 
     stochastic: ClassVar[bool] = False  # the seed does not matter
-    segment_times: ClassVar[bool] = True  # it chooses segment durations on the case's curve
+    about: ClassVar[str] = "durations in proportion to the distance, stretched to the limits"
+    freedom: ClassVar[Freedom] = Freedom.CURVE  # it chooses segment durations on the case's curve
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS  # stretching keeps velocity, acceleration and jerk
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Take the rule's durations and stretch them until every limit is kept."""

@@ -13,15 +13,11 @@ from study.cases.library import Case, Published
 from study.curves import curve_named
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import Plan, Status
+from study.planning import Freedom, Plan, Status
 from study.registry import planner_named
 from study.store.results import Cell, Result
 
-CURVE, FIXED_PATH, FREE_PATH = "case's curve", "fixed path", "free path"
-_PATHS = {
-    **dict.fromkeys(("toppra", "topp3-nlp", "copp"), FIXED_PATH),
-    **dict.fromkeys(("ruckig-stops", "ruckig-via", "free-path-nlp", "quintic-nlp", "bspline-nlp"), FREE_PATH),
-}
+CURVE, FIXED_PATH, FREE_PATH = Freedom.CURVE, Freedom.PATH, Freedom.FREE
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,9 +174,8 @@ def _run_row(results: list[Result]) -> Row:
     try:
         planner = planner_named(name)
     except StudyError:  # stored by a planner that is no longer installed
-        return _row(results, "search" if results[0].evaluations else "deterministic", _PATHS.get(name, ""))
-    path = CURVE if planner.segment_times else _PATHS.get(name, "")
-    return _row(results, "search" if planner.stochastic else "deterministic", path)
+        return _row(results, "search" if results[0].evaluations else "deterministic", "")
+    return _row(results, "search" if planner.stochastic else "deterministic", planner.freedom)
 
 
 def _row(results: list[Result], kind: str, path: str) -> Row:

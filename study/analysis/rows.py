@@ -8,11 +8,11 @@ from itertools import count
 
 import numpy as np
 
-from study.analysis.methods import CURVE, FIXED_PATH, FREE_PATH, Row, case_rows
+from study.analysis.methods import CURVE, FREE_PATH, Row, case_rows
 from study.cases.library import Case
 from study.curves import CURVES
 from study.errors import StudyError
-from study.planning import Status
+from study.planning import Freedom, Status
 from study.problem import Problem
 from study.store.results import Result
 from study.trajectory import Motion
@@ -21,12 +21,7 @@ BOUND = "lower_bound"
 """Key of `Result.details` under which a planner proves how short a motion of its own kind can be at best, s; one that
 has no motion to show speaks of any motion through the waypoints."""
 
-MEANING = {
-    CURVE: "the curve family of the case, its paper's where there is one; a method chooses the segment durations and nothing else",
-    FIXED_PATH: "the geometric path is given; a method chooses the speed along it",
-    FREE_PATH: "any motion through the waypoints; the path between them is the method's own",
-}
-"""What a method of each kind may change; times of different kinds answer different questions."""
+MEANING = {freedom: freedom.meaning for freedom in Freedom}
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,6 +151,8 @@ def known_times(entries: Sequence[Entry]) -> list[tuple[str, float, str]]:
 def path_of(case: Case, row: Row) -> str:
     """Tell what a method was free to change; where the summary does not know, the motion itself is looked at."""
     motion = row.representative.motion if row.representative else None
+    if row.representative and motion is None and BOUND in row.representative.details:
+        return ""
     if row.path or motion is None:
         return row.path
     return CURVE if on_curve(case.problem, case.curve, motion) else FREE_PATH

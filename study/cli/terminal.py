@@ -165,16 +165,16 @@ def cases_table(cases: Iterable[Case]) -> Table:
 def planners_table(entries: Sequence[tuple[str, Planner | str]], defaults: Iterable[str]) -> Table:
     """Table of planners; one that cannot be loaded shows the reason."""
     table = Table(title="Planners", title_justify="left", header_style="bold")
-    for name in ("name", "default", "kind", "motion"):
+    for name in ("name", "default", "kind", "may change", "how it works"):
         table.add_column(name, overflow="fold", no_wrap=name == "name")
     taken = set(defaults)
     for name, planner in entries:
         default = "yes" if name in taken else ""
         if isinstance(planner, str):
-            table.add_row(name, default, "not available", planner, style="red")
+            table.add_row(name, default, "not available", "", planner, style="red")
             continue
         kind = "search" if planner.stochastic else "deterministic"
-        table.add_row(name, default, kind, "the case's curve" if planner.segment_times else "its own")
+        table.add_row(name, default, kind, planner.freedom, planner.about)
     return table
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from study.cases.library import Case
 from study.comparison.effort import Effort
+from study.planning import Freedom
 from study.problem import Floats
 from study.registry import planner_named, planner_names, unavailable_planners
 from study.runs.lineup import Spec, make_cells
@@ -111,7 +112,7 @@ def solver_cells(cases: Sequence[Case], effort: Effort) -> list[Cell]:
     A process loads a library at its first call, which takes longer than Ruckig's motion; the median is of loaded ones.
     """
     specs = [
-        Spec(name, "scaled", "shared") if planner_named(name).segment_times else Spec(name)
+        Spec(name, "scaled", "shared") if planner_named(name).freedom is Freedom.CURVE else Spec(name)
         for name in installed(effort.solvers)
     ]
     cells = make_cells(cases, specs, effort.budget)
@@ -162,7 +163,7 @@ def references(cases: Sequence[Case], runs: Runs) -> dict[str, Reference]:
             if cell.case == case.name
             and cell.settings.curve == case.curve
             and cell.settings.synchronisation == "shared"
-            and planner_named(cell.planner).segment_times
+            and planner_named(cell.planner).freedom is Freedom.CURVE
             and np.isfinite(judged(result))
         ]
         if eligible:

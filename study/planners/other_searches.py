@@ -16,8 +16,8 @@ import numpy as np
 from scipy import optimize
 
 from study.planners.segment_times import SegmentTimePlanner, plan_segment_times
-from study.planning import Formulation, Meter, Plan, RunSettings
-from study.problem import Floats, Problem
+from study.planning import RATE_LIMITS, Freedom, Meter, Plan, RunSettings
+from study.problem import Demand, Floats, Problem
 from study.search.cma_es import CMAES
 from study.search.pso import PSO, VelocityUpdate
 from study.search.random_search import RandomSearch
@@ -43,14 +43,18 @@ class MinimiserPlanner:
     Parameters
     ----------
     minimiser : Minimiser
-    formulation : Formulation, optional
+    about : str
+        One line that says how it works.
+    formulation : str, optional
         The formulation that it needs, whatever the settings ask for; None takes theirs.
     """
 
     minimiser: Minimiser
-    formulation: Formulation | None = None
+    about: str
+    formulation: str | None = None
+    freedom: ClassVar[Freedom] = Freedom.CURVE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
     stochastic: ClassVar[bool] = True
-    segment_times: ClassVar[bool] = True
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Search all joints together, or each alone, as `SegmentTimePlanner` does."""
@@ -196,14 +200,25 @@ PSO_STANDARD = SegmentTimePlanner(
         cognitive=2.0,  # Kennedy and Eberhart 1995
         social=2.0,
         velocity=VelocityUpdate(clamp=0.2, unit="share", bounds="clip"),  # ours
-    )
+    ),
+    "the standard particle swarm",
 )
-RANDOM_SEARCH = SegmentTimePlanner(RandomSearch())
-STOA_PLANNER = SegmentTimePlanner(STOA())
-SCA_PLANNER = SegmentTimePlanner(SCA())
-CMA_ES = SegmentTimePlanner(CMAES())
-LBFGSB_PLANNER = MinimiserPlanner(LBFGSB(), Formulation.SCALED)  # the penalty form jumps: no gradient to follow
-LBFGSB_ONCE = DeterministicMinimiserPlanner(LBFGSB(restarts=False), Formulation.SCALED)
-SCIPY_DE = MinimiserPlanner(ScipyDE())
-DIRECT = DeterministicMinimiserPlanner(Direct())
-CENTRE = DeterministicMinimiserPlanner(Centre(), Formulation.SCALED)
+RANDOM_SEARCH = SegmentTimePlanner(RandomSearch(), "durations drawn blindly, the best kept; what any search must beat")
+STOA_PLANNER = SegmentTimePlanner(STOA(), "sooty tern search")
+SCA_PLANNER = SegmentTimePlanner(SCA(), "sine cosine search")
+CMA_ES = SegmentTimePlanner(CMAES(), "covariance matrix adaptation, the usual strong evolution strategy")
+LBFGSB_PLANNER = MinimiserPlanner(
+    LBFGSB(),
+    "gradient descent (L-BFGS-B of SciPy), started again and again until the budget is spent",
+    formulation="scaled",  # the penalty form jumps: no gradient to follow
+)
+LBFGSB_ONCE = DeterministicMinimiserPlanner(
+    LBFGSB(restarts=False), "gradient descent (L-BFGS-B of SciPy), once, from equal durations", formulation="scaled"
+)
+SCIPY_DE = MinimiserPlanner(ScipyDE(), "differential evolution of SciPy")
+DIRECT = DeterministicMinimiserPlanner(
+    Direct(), "DIRECT of SciPy: divides the box of durations, draws no random number"
+)
+CENTRE = DeterministicMinimiserPlanner(
+    Centre(), "no search at all: the middle of the box of durations, stretched to the limits", formulation="scaled"
+)

@@ -7,8 +7,6 @@ PUMA560 paper, Section 3.3.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from study.planners.segment_times import SegmentTimePlanner
 from study.search.chaotic_spso import ChaoticSPSO
 from study.search.pso import VelocityUpdate
@@ -22,5 +20,7 @@ _SEARCH = ChaoticSPSO(
     velocity=VelocityUpdate(clamp=0.2, unit="share", bounds="clip"),  # ours
 )
 
-CHAOTIC_SPSO = SegmentTimePlanner(_SEARCH)
-CHAOTIC_SPSO_AS_PRINTED = SegmentTimePlanner(replace(_SEARCH, reading="as-printed"))
+CHAOTIC_SPSO = SegmentTimePlanner(
+    _SEARCH, "particle swarm with a chaotic start and weights that change in two stages, of the PUMA560 paper"
+)
+CHAOTIC_SPSO_AS_PRINTED = CHAOTIC_SPSO.as_printed()

@@ -18,10 +18,13 @@ from study.search.woa import WOA
 
 # The paper prints exact zeros and 1e-33 for Rosenbrock's function in Table 3: Eqs. (12)-(15) alone give 1e-43 and 27,
 # with SMA's restart and shrinking branches they give 0 and 1e-2.
-SMWOA_PLANNER = SegmentTimePlanner(SMWOA(restart_share=0.03, shrinking=True))
-SMWOA_AS_PRINTED = SegmentTimePlanner(SMWOA(reading="as-printed"))
-WOA_PLANNER = SegmentTimePlanner(WOA())
-SMA_PLANNER = SegmentTimePlanner(SMA())
-SMA_AS_PRINTED = SegmentTimePlanner(SMA(reading="as-printed", log_base=math.e))
-GSA_PLANNER = SegmentTimePlanner(GSA())
-DE_PLANNER = SegmentTimePlanner(DE())
+SMWOA_PLANNER = SegmentTimePlanner(
+    SMWOA(restart_share=0.03, shrinking=True),
+    "whale search with parts of slime mould search, of the UR5 paper",
+)
+SMWOA_AS_PRINTED = SMWOA_PLANNER.as_printed(restart_share=0.0, shrinking=False)
+WOA_PLANNER = SegmentTimePlanner(WOA(), "whale search")
+SMA_PLANNER = SegmentTimePlanner(SMA(), "slime mould search")
+SMA_AS_PRINTED = SMA_PLANNER.as_printed(log_base=math.e)
+GSA_PLANNER = SegmentTimePlanner(GSA(), "gravitational search")
+DE_PLANNER = SegmentTimePlanner(DE(), "differential evolution")

@@ -10,12 +10,15 @@ from __future__ import annotations
 from study.planners.segment_times import SegmentTimePlanner
 from study.search.ssa import SSA
 
-SSA_PLANNER = SegmentTimePlanner(SSA())
-T_SSA = SegmentTimePlanner(SSA(start="tent"))
-ADF_SSA = SegmentTimePlanner(SSA(adaptive_beta=True, adaptive_k=True))
-TADF_SSA = SegmentTimePlanner(SSA(start="tent", adaptive_beta=True, adaptive_k=True))
+SSA_PLANNER = SegmentTimePlanner(SSA(), "sparrow search")
+T_SSA = SegmentTimePlanner(SSA(start="tent"), "sparrow search with a chaotic start")
+ADF_SSA = SegmentTimePlanner(SSA(adaptive_beta=True, adaptive_k=True), "sparrow search with adaptive steps")
+TADF_SSA = SegmentTimePlanner(
+    SSA(start="tent", adaptive_beta=True, adaptive_k=True),
+    "sparrow search with a chaotic start and adaptive steps, of the improved sparrow paper",
+)
 
-SSA_AS_PRINTED = SegmentTimePlanner(SSA(reading="as-printed"))
-T_SSA_AS_PRINTED = SegmentTimePlanner(SSA(reading="as-printed", start="tent"))
-ADF_SSA_AS_PRINTED = SegmentTimePlanner(SSA(reading="as-printed", adaptive_beta=True, adaptive_k=True))
-TADF_SSA_AS_PRINTED = SegmentTimePlanner(SSA(reading="as-printed", start="tent", adaptive_beta=True, adaptive_k=True))
+SSA_AS_PRINTED = SSA_PLANNER.as_printed()
+T_SSA_AS_PRINTED = T_SSA.as_printed()
+ADF_SSA_AS_PRINTED = ADF_SSA.as_printed()
+TADF_SSA_AS_PRINTED = TADF_SSA.as_printed()

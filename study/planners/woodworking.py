@@ -7,8 +7,6 @@ Woodworking paper, Sections 2.3 to 2.5 and 3.2.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from study.planners.segment_times import SegmentTimePlanner
@@ -27,10 +25,12 @@ _GOLDS_PSO = GoldSPSO(
 )
 _GOLD_SA = GoldSA(interval=(-np.pi, np.pi), bounds="clip")  # Section 2.4.3: initial a and b
 
-GOLDS_PSO = SegmentTimePlanner(_GOLDS_PSO)
-GOLDS_PSO_AS_PRINTED = SegmentTimePlanner(replace(_GOLDS_PSO, reading="as-printed"))
-GOLD_SA = SegmentTimePlanner(_GOLD_SA)
-GOLD_SA_AS_PRINTED = SegmentTimePlanner(replace(_GOLD_SA, reading="as-printed"))
+GOLDS_PSO = SegmentTimePlanner(
+    _GOLDS_PSO, "particle swarm without velocities, with a golden sine step, of the woodworking paper"
+)
+GOLDS_PSO_AS_PRINTED = GOLDS_PSO.as_printed()
+GOLD_SA = SegmentTimePlanner(_GOLD_SA, "golden sine search")
+GOLD_SA_AS_PRINTED = GOLD_SA.as_printed()
 
 PSO_BASIC = SegmentTimePlanner(
     PSO(
@@ -40,15 +40,18 @@ PSO_BASIC = SegmentTimePlanner(
         velocity=VelocityUpdate(
             clamp=3.0, unit="absolute", bounds="clip"
         ),  # clamp ours (explains Table 3), box from Section 3.2
-    )
+    ),
+    "particle swarm with constant weights, as the woodworking paper describes the basic one",
 )
 CF_PSO = SegmentTimePlanner(
     CFPSO(
         cognitive=2.05,  # Clerc and Kennedy 2002
         social=2.05,
         velocity=VelocityUpdate(clamp=0.5, unit="share", bounds="clip"),  # Eberhart and Shi 2000; bounds rule ours
-    )
+    ),
+    "particle swarm with a constriction factor",
 )
 SIMPLE_PSO = SegmentTimePlanner(
-    SimplePSO(inertia=(0.9, 0.4), cognitive=2.0, social=2.0, bounds="clip")  # eq. (22); values after Hu and Li 2007
+    SimplePSO(inertia=(0.9, 0.4), cognitive=2.0, social=2.0, bounds="clip"),  # eq. (22); values after Hu and Li 2007
+    "particle swarm without velocities",
 )

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from study.deadline import watched
+from study.demands import refusal
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import Plan, Status
@@ -33,6 +34,8 @@ def execute(task: Task) -> Result:
     try:
         planner = planner_named(task.cell.planner)
         started = time.perf_counter()
+        if reason := refusal(task.problem.demands, planner.knows):
+            return failed(task.cell, reason, 0.0, Status.NOT_APPLICABLE)
         with watched() as watch, reporting(speaker()):
             plan = planner.plan(task.problem, task.cell.settings)
         wall_time = time.perf_counter() - started

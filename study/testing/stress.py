@@ -27,9 +27,6 @@ FEASIBLE, REASON, TIMEOUT, WRONG, CRASH = (
 OUTCOMES = (FEASIBLE, REASON, TIMEOUT, WRONG, CRASH)
 """What can become of a problem; the last two must not happen."""
 
-JERKLESS = ("toppra",)
-"""Planners that do not know jerk: an answer that breaks only a jerk limit is announced by their documentation."""
-
 
 @dataclass(frozen=True)
 class Attempt:
@@ -76,8 +73,9 @@ def endure(attempt: Attempt) -> Outcome:
     settings = RunSettings(
         usual.curve, seed=attempt.number, formulation=usual.formulation, time_limit=attempt.time_limit
     )
+    planner = planner_named(attempt.planner)
     try:
-        plan = planner_named(attempt.planner).plan(problem, settings)
+        plan = planner.plan(problem, settings)
         verdict = None if plan.motion is None else judge(problem, plan.motion)
     except StudyError as error:
         return Outcome(attempt, REASON, str(error))
@@ -87,8 +85,8 @@ def endure(attempt: Attempt) -> Outcome:
         return Outcome(attempt, REASON if plan.message else WRONG, plan.message or "neither a motion nor a reason")
     if verdict.feasible:
         return Outcome(attempt, FEASIBLE, "")
-    if attempt.planner in JERKLESS and np.isfinite(problem.limits.jerk).any():
-        return Outcome(attempt, REASON, "it does not know jerk, which is limited")
+    if ignored := sorted(problem.demands - planner.knows):
+        return Outcome(attempt, REASON, f"it does not know {' or '.join(ignored)}, which the problem has")
     announced = plan.status is not Status.FINISHED and plan.message
     return Outcome(attempt, REASON if announced else WRONG, plan.message if announced else "; ".join(verdict.reasons))
 

@@ -4,9 +4,11 @@ import subprocess
 import sys
 import time
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from study.errors import StudyError
@@ -231,3 +233,12 @@ def alive(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+def test_a_demand_that_a_planner_does_not_know_keeps_it_from_running(stubs, tiny_case):
+    limits = replace(tiny_case.problem.limits, min_velocity=np.array([-0.5, -0.8]))
+    problem = replace(tiny_case.problem, limits=limits)
+    cell = make_cells([tiny_case], parse_specs("stub-hang"), Budget(1, 60))[0]
+    result = execute(Task(cell, problem))
+    assert (result.status, result.motion) == (Status.NOT_APPLICABLE, None)
+    assert result.message == "the planner does not know limits that differ by direction, which the problem asks for"

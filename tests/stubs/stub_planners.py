@@ -13,7 +13,8 @@ import numpy as np
 from study.curves import curve_named
 from study.errors import StudyError
 from study.formulation import Scaled
-from study.planning import Plan, Status
+from study.planning import RATE_LIMITS, Freedom, Plan, Status
+from study.problem import Demand
 
 NUMBER = 7
 
@@ -29,7 +30,9 @@ class Steady:
     """Equal durations, stretched until they are feasible."""
 
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = False
+    about: ClassVar[str] = "equal durations"
+    freedom: ClassVar[Freedom] = Freedom.FREE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
 
     def plan(self, problem, settings):
         return scaled_plan(problem, settings, np.ones(problem.n_segments))
@@ -45,7 +48,9 @@ class Seeded:
 
     before: Callable[[], None]
     stochastic: ClassVar[bool] = True
-    segment_times: ClassVar[bool] = True
+    about: ClassVar[str] = "random durations"
+    freedom: ClassVar[Freedom] = Freedom.CURVE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
 
     def plan(self, problem, settings):
         self.before()

@@ -9,7 +9,7 @@ from study.curves import curve_named
 from study.errors import StudyError
 from study.formulation import Scaled
 from study.planners.segment_times import SegmentTimePlanner
-from study.planning import Plan, RunSettings, Status
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Problem
 from study.registry import planner_named, planner_names, unavailable_planners
 from study.search.random_search import RandomSearch
@@ -24,7 +24,9 @@ QUICK = RunSettings("poly353", seed=3, evaluations=60, population=10, formulatio
 
 class Good:
     stochastic = False
-    segment_times = True
+    about = "equal durations, stretched"
+    freedom = Freedom.CURVE
+    knows = RATE_LIMITS
 
     def durations(self, problem, settings):
         return np.ones(problem.n_segments)
@@ -116,7 +118,7 @@ class Unmarked(Good):
         (Refusing, "not one sentence"),
         (Boaster, "there is no motion"),
         (Meddler, "changed the problem"),
-        (Unmarked, "both true or false"),
+        (Unmarked, "this lacks `stochastic`, True or False"),
     ],
 )
 def test_what_is_wrong_with_a_planner_is_found(planner, sentence):
