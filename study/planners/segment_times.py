@@ -45,7 +45,8 @@ class SegmentTimePlanner:
 
     def as_printed(self, **constants: Any) -> SegmentTimePlanner:
         """Take the paper's formulas exactly as printed, with these constants of the search set anew."""
-        search = replace(self.search, reading="as-printed", **constants)
+        search: Any = self.search  # a frozen dataclass, which its protocol does not say
+        search = replace(search, reading="as-printed", **constants)
         return replace(self, search=search, about=self.about + "; its formulas exactly as printed, misprints included")
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:

@@ -43,7 +43,7 @@ STANDINGS = {
 }
 """Groups of the results table and their heads; sorting moves rows inside a group only."""
 
-HATCHES = {CURVE: "", FIXED_PATH: "...", FREE_PATH: "///"}
+HATCHES: dict[str, str] = {CURVE: "", FIXED_PATH: "...", FREE_PATH: "///"}
 
 WIDTHS = {"wide": 720.0, "narrow": 370.0}
 """Pixels of a figure on a page and on a phone, where text would be too small if the wide one were shrunk."""
