@@ -1,15 +1,14 @@
-"""From segment durations to an objective value, for a whole population at once."""
+"""Objectives of segment durations, penalised or scaled, for a whole population at once."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from study.curves import Curve
-from study.errors import unknown
+from study.planning import Formulation
 from study.problem import Floats, JointLimits, Problem
 
 
@@ -86,12 +85,15 @@ class Scaled:
         return candidates * self._factors(candidates)[:, None]
 
 
-Formulation = Penalty | Scaled
-FORMULATIONS: dict[str, Callable[[Problem, Curve], Formulation]] = {"penalty": Penalty, "scaled": Scaled}
+Objective = Penalty | Scaled
 
 
-def formulation_named(name: str, problem: Problem, curve: Curve) -> Formulation:
-    """Build a formulation by name, or say which there are."""
-    if name not in FORMULATIONS:
-        raise unknown("formulation", name, FORMULATIONS)
-    return FORMULATIONS[name](problem, curve)
+def objective_of(formulation: Formulation | str, problem: Problem, curve: Curve) -> Objective:
+    """Objective of a problem on a curve family.
+
+    Raises
+    ------
+    StudyError
+        If there is no such formulation.
+    """
+    return (Scaled if Formulation(formulation) is Formulation.SCALED else Penalty)(problem, curve)

@@ -1,4 +1,4 @@
-"""What a planner is, what it is asked and what it answers, and the meter that counts evaluations."""
+"""Planner interface, run settings, plan and evaluation meter."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
+from study.choices import Choice
 from study.errors import StudyError
 from study.problem import Demand, EndCondition, Floats, Problem
 from study.trajectory import Motion
 
 
 class Status(Enum):
-    """How a planner ended; members read as sentences."""
+    """End of a planner's work; members read as sentences."""
 
     FINISHED = "the planner finished"
     NOT_CONVERGED = "the planner stopped before it converged"
@@ -24,9 +25,27 @@ class Status(Enum):
     TIMED_OUT = "the time limit of the cell was reached"
 
 
+class Formulation(Choice):
+    """Form of the objective: the papers' penalty, or every candidate stretched until it is exactly feasible."""
+
+    PENALTY = "penalty"
+    SCALED = "scaled"
+
+
+class Synchronisation(Choice):
+    """Rule by which joints share segment durations.
+
+    `per-joint` searches each joint alone and takes the longest duration of every segment; `shared` searches all joints
+    together.
+    """
+
+    PER_JOINT = "per-joint"
+    SHARED = "shared"
+
+
 @dataclass(frozen=True)
 class RunSettings:
-    """How one run is to be made; a planner takes from it what it needs.
+    """Settings of one run; a planner takes from them what it needs.
 
     Attributes
     ----------
@@ -36,23 +55,30 @@ class RunSettings:
     evaluations : int
         Budget of every search: curve evaluations of the joints it moves.
     population : int
-    formulation : str
-        `penalty` (the papers' form) or `scaled` (every candidate stretched until it is exactly feasible).
-    synchronisation : str
-        `per-joint` (each joint alone, then the longest duration of every segment) or `shared`.
+    formulation : Formulation
+        Or its text, such as "scaled".
+    synchronisation : Synchronisation
+        Or its text, such as "per-joint".
     time_limit : float, s
         Wall time after which a solver should stop by itself.
+
+    Raises
+    ------
+    StudyError
+        If the budget or the population is empty, or an option is unknown.
     """
 
     curve: str
     seed: int = 0
     evaluations: int = 2000
     population: int = 50
-    formulation: str = "penalty"
-    synchronisation: str = "shared"
+    formulation: Formulation = Formulation.PENALTY
+    synchronisation: Synchronisation = Synchronisation.SHARED
     time_limit: float = 60.0
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "formulation", Formulation(self.formulation))
+        object.__setattr__(self, "synchronisation", Synchronisation(self.synchronisation))
         if self.evaluations < 1 or self.population < 1:
             raise StudyError(
                 f"budget and population must be at least 1, got {self.evaluations} evaluations, population {self.population}"
@@ -164,7 +190,7 @@ def undescribed(planner: object) -> str:
 
 def usual_settings(problem: Problem) -> RunSettings:
     """Choose settings for a problem of one's own: a curve that fits, all joints together, every candidate made feasible."""
-    return RunSettings(curve=usual_curve(problem), formulation="scaled", synchronisation="shared")
+    return RunSettings(curve=usual_curve(problem), formulation=Formulation.SCALED)
 
 
 def usual_curve(problem: Problem) -> str:

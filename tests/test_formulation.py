@@ -5,9 +5,9 @@ import pytest
 
 from study import JointLimits, Problem, StudyError, judge
 from study.curves import CURVES
-from study.formulation import Penalty, Scaled, formulation_named, stretch
+from study.formulation import Penalty, Scaled, objective_of, stretch
 from study.planners.segment_times import SegmentTimePlanner
-from study.planning import Meter, RunSettings, Status
+from study.planning import Formulation, Meter, RunSettings, Status, Synchronisation
 from study.search.loop import minimise
 from study.search.pso import PSO
 from study.search.state import Box
@@ -59,9 +59,9 @@ def test_penalty_never_ranks_infeasible_above_feasible():
 
 def test_unknown_names_get_a_hint():
     with pytest.raises(StudyError, match="no formulation 'scale'; did you mean 'scaled'"):
-        formulation_named("scale", problem(), CURVES["poly353"])
+        objective_of("scale", problem(), CURVES["poly353"])
     with pytest.raises(StudyError, match="no synchronisation 'alone'"):
-        SegmentTimePlanner(PSO()).plan(problem(), RunSettings("poly353", synchronisation="alone"))
+        RunSettings("poly353", synchronisation="alone")
     with pytest.raises(StudyError, match="at least 1"):
         RunSettings("poly353", evaluations=0)
 
@@ -104,3 +104,10 @@ def test_shared_history_ends_at_the_judged_duration():
     assert verdict.feasible
     assert verdict.duration == pytest.approx(plan.history[-1, 1])
     assert (np.diff(plan.history[:, 1]) <= 0).all()
+
+
+def test_settings_take_options_by_their_text_and_keep_them_as_enumerations():
+    settings = RunSettings("poly353", formulation="scaled", synchronisation="per-joint")
+    assert settings == RunSettings("poly353", formulation=Formulation.SCALED, synchronisation=Synchronisation.PER_JOINT)
+    assert settings.formulation is Formulation.SCALED
+    assert f"{settings.formulation}, {settings.synchronisation}" == "scaled, per-joint"

@@ -22,9 +22,8 @@ from baselines.segment_times.bspline_curve import velocity_bound
 from baselines.segment_times.nlp import optimise
 from study.curves import curve_named
 from study.deadline import noted
-from study.errors import unknown
 from study.formulation import Scaled
-from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status, Synchronisation
 from study.problem import Demand, Floats, Problem
 
 GAP = 1e-6
@@ -190,11 +189,9 @@ class Certified:
         Raises
         ------
         StudyError
-            If the synchronisation is unknown or CasADi is missing.
+            If CasADi is missing.
         """
-        if settings.synchronisation not in ("shared", "per-joint"):
-            raise unknown("synchronisation", settings.synchronisation, ("per-joint", "shared"))
-        alone = settings.synchronisation == "per-joint"
+        alone = settings.synchronisation is Synchronisation.PER_JOINT
         parts = [problem.joint(j) for j in range(problem.n_joints)] if alone else [problem]
         reason = next((text for text in (obstacle(part, settings.curve) for part in parts) if text), "")
         if reason:

@@ -22,7 +22,7 @@ from baselines.segment_times.starts import feasible, starts
 from study.curves import curve_named
 from study.errors import StudyError, unknown
 from study.formulation import Scaled, stretch
-from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status, Synchronisation
 from study.problem import Demand, Floats, Problem
 
 AGREEING = 1e-7
@@ -183,11 +183,9 @@ class CasadiNlp:
         Raises
         ------
         StudyError
-            If the curve or synchronisation is unknown or does not fit the waypoints, or CasADi is missing.
+            If the curve is unknown or does not fit the waypoints, or CasADi is missing.
         """
-        if settings.synchronisation not in ("shared", "per-joint"):
-            raise unknown("synchronisation", settings.synchronisation, ("per-joint", "shared"))
-        alone = settings.synchronisation == "per-joint"
+        alone = settings.synchronisation is Synchronisation.PER_JOINT
         parts = [problem.joint(j) for j in range(problem.n_joints)] if alone else [problem]
         share = settings.time_limit / len(parts)
         answers = [
@@ -217,7 +215,7 @@ def _together(answers: list[Answer]) -> dict[str, float]:
 
 
 def _bound(problem: Problem, settings: RunSettings) -> dict[str, float]:
-    if settings.curve != "bspline" or settings.synchronisation != "shared":
+    if settings.curve != "bspline" or settings.synchronisation is not Synchronisation.SHARED:
         return {}
     return {"lower_bound": velocity_bound(problem)}
 

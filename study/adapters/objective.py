@@ -13,7 +13,8 @@ from study.cases.library import Case, case_names, load_case
 from study.curves import curve_named
 from study.datafiles import Strict, checked, data_folder, read_yaml
 from study.errors import StudyError
-from study.formulation import FORMULATIONS, formulation_named
+from study.formulation import objective_of
+from study.planning import Formulation
 from study.problem import Floats
 
 
@@ -56,7 +57,7 @@ class DurationObjective:
     Attributes
     ----------
     case : Case
-    formulation : str
+    formulation : Formulation
         `scaled`: the candidate's durations are stretched or shortened until they are just feasible; `penalty`: total
         time plus a penalty where a limit is broken.
     instance : Instance
@@ -71,13 +72,13 @@ class DurationObjective:
         Lowest value seen so far.
     """
 
-    def __init__(self, case: Case, formulation: str = "scaled", instance: int = 0) -> None:
-        problem, self.case, self.formulation = case.problem, case, formulation
-        self._value = formulation_named(formulation, problem, curve_named(case.curve))
+    def __init__(self, case: Case, formulation: Formulation | str = Formulation.SCALED, instance: int = 0) -> None:
+        problem, self.case, self.formulation = case.problem, case, Formulation(formulation)
+        self._value = objective_of(self.formulation, problem, curve_named(case.curve))
         self._low, self._high = (np.full(problem.n_segments, bound) for bound in problem.duration_bounds)
         self.instance = Instance.of(instance, self._low, self._high)
         self.lower, self.upper = self._low + self.instance.shift, self._high + self.instance.shift
-        known = _best_known().get(case.name, {}).get(formulation)
+        known = _best_known().get(case.name, {}).get(self.formulation)
         self.best_known = None if known is None else known.value
         self.best_point = None if known is None else self.point(np.array(known.durations))
         self.reset()
@@ -133,14 +134,16 @@ class DurationObjective:
         return values
 
 
-def objective(case: str | Case, formulation: str = "scaled", instance: int = 0) -> DurationObjective:
+def objective(
+    case: str | Case, formulation: Formulation | str = Formulation.SCALED, instance: int = 0
+) -> DurationObjective:
     """Take a case as an objective.
 
     Parameters
     ----------
     case : str or Case
         A name, the path of a file, or a case.
-    formulation : str
+    formulation : Formulation or str
         `scaled` or `penalty`.
     instance : int
 
@@ -155,7 +158,7 @@ def objective(case: str | Case, formulation: str = "scaled", instance: int = 0) 
 def suite(instances: int = 3) -> Iterator[DurationObjective]:
     """Go through the papers' cases, both formulations and the first instances."""
     for name in case_names(default_only=True):
-        for formulation in FORMULATIONS:
+        for formulation in Formulation:
             for instance in range(instances):
                 yield objective(name, formulation, instance)
 

@@ -17,7 +17,7 @@ from study.curves import curve_named
 from study.datafiles import checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
 from study.io.rows import parsed
-from study.planning import RunSettings, usual_settings
+from study.planning import Formulation, RunSettings, Synchronisation, usual_settings
 from study.problem import EndCondition, Floats, JointLimits, Problem, frozen_array
 
 __all__ = ["Case", "Published", "case_names", "load_case", "own_case"]
@@ -141,8 +141,8 @@ def _built(file: CaseFile) -> Case:
             curve=file.curve,
             evaluations=printed.population * printed.iterations,
             population=printed.population,
-            formulation=printed.formulation,
-            synchronisation=printed.synchronisation,
+            formulation=Formulation(printed.formulation),
+            synchronisation=Synchronisation(printed.synchronisation),
         ),
         planner=file.planner,
         robot=file.robot,

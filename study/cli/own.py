@@ -33,6 +33,7 @@ from study.cli.run import (
 from study.datafiles import make_file
 from study.io.export import form_of, write_motion
 from study.io.filenames import file_stem
+from study.planning import Formulation, Synchronisation
 from study.registry import unavailable_planners
 from study.runs.environment import environment
 from study.runs.lineup import Budget, make_cells, parse_specs
@@ -86,8 +87,8 @@ def plan(
     if spec is not None:
         settings = replace(
             settings,
-            formulation=spec.formulation or settings.formulation,
-            synchronisation=spec.synchronisation or settings.synchronisation,
+            formulation=Formulation(spec.formulation or settings.formulation),
+            synchronisation=Synchronisation(spec.synchronisation or settings.synchronisation),
         )
     planned = plan_motion(case.problem, spec.planner if spec else "auto", settings)
     for name, why, result in planned.tried:

@@ -14,7 +14,7 @@ import numpy as np
 
 from study.curves import curve_named
 from study.errors import unknown
-from study.formulation import formulation_named
+from study.formulation import objective_of
 from study.problem import Floats, Problem
 from study.search.state import Box
 from study.testfunctions import Benchmark, benchmarks_of
@@ -126,7 +126,7 @@ def trajectory_task(problem: Problem, curve: str, formulation: str, view: str) -
     """
     if view not in TRAJECTORY_VIEWS:
         raise unknown("view of the durations", view, TRAJECTORY_VIEWS)
-    value = formulation_named(formulation, problem, curve_named(curve))
+    value = objective_of(formulation, problem, curve_named(curve))
     lo, hi = problem.duration_bounds
     ones = np.ones(problem.n_segments)
     middle = 0.5 * (lo + hi)

@@ -16,7 +16,7 @@ import numpy as np
 from scipy import optimize
 
 from study.planners.segment_times import SegmentTimePlanner, plan_segment_times
-from study.planning import RATE_LIMITS, Freedom, Meter, Plan, RunSettings
+from study.planning import RATE_LIMITS, Formulation, Freedom, Meter, Plan, RunSettings
 from study.problem import Demand, Floats, Problem
 from study.search.cma_es import CMAES
 from study.search.pso import PSO, VelocityUpdate
@@ -45,13 +45,13 @@ class MinimiserPlanner:
     minimiser : Minimiser
     about : str
         One line that says how it works.
-    formulation : str, optional
+    formulation : Formulation, optional
         The formulation that it needs, whatever the settings ask for; None takes theirs.
     """
 
     minimiser: Minimiser
     about: str
-    formulation: str | None = None
+    formulation: Formulation | None = None
     freedom: ClassVar[Freedom] = Freedom.CURVE
     knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
     stochastic: ClassVar[bool] = True
@@ -210,15 +210,19 @@ CMA_ES = SegmentTimePlanner(CMAES(), "covariance matrix adaptation, the usual st
 LBFGSB_PLANNER = MinimiserPlanner(
     LBFGSB(),
     "gradient descent (L-BFGS-B of SciPy), started again and again until the budget is spent",
-    formulation="scaled",  # the penalty form jumps: no gradient to follow
+    formulation=Formulation.SCALED,  # the penalty form jumps: no gradient to follow
 )
 LBFGSB_ONCE = DeterministicMinimiserPlanner(
-    LBFGSB(restarts=False), "gradient descent (L-BFGS-B of SciPy), once, from equal durations", formulation="scaled"
+    LBFGSB(restarts=False),
+    "gradient descent (L-BFGS-B of SciPy), once, from equal durations",
+    formulation=Formulation.SCALED,
 )
 SCIPY_DE = MinimiserPlanner(ScipyDE(), "differential evolution of SciPy")
 DIRECT = DeterministicMinimiserPlanner(
     Direct(), "DIRECT of SciPy: divides the box of durations, draws no random number"
 )
 CENTRE = DeterministicMinimiserPlanner(
-    Centre(), "no search at all: the middle of the box of durations, stretched to the limits", formulation="scaled"
+    Centre(),
+    "no search at all: the middle of the box of durations, stretched to the limits",
+    formulation=Formulation.SCALED,
 )

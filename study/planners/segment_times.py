@@ -11,9 +11,8 @@ import numpy as np
 
 from study.curves import curve_named
 from study.curves.compiled import with_engine
-from study.errors import unknown
-from study.formulation import formulation_named
-from study.planning import RATE_LIMITS, Freedom, Meter, Plan, RunSettings, Status
+from study.formulation import objective_of
+from study.planning import RATE_LIMITS, Freedom, Meter, Plan, RunSettings, Status, Synchronisation
 from study.problem import Demand, Floats, Problem
 from study.search.loop import minimise
 from study.search.state import Box, Search
@@ -61,7 +60,7 @@ class SegmentTimePlanner:
         Raises
         ------
         StudyError
-            If the curve, formulation or synchronisation is unknown or does not fit the waypoints.
+            If the curve is unknown or does not fit the waypoints.
         """
         return plan_segment_times(partial(minimise, self.search), problem, settings)
 
@@ -78,14 +77,10 @@ def plan_segment_times(drive: Drive, problem: Problem, settings: RunSettings) ->
     Raises
     ------
     StudyError
-        If the curve, formulation or synchronisation is unknown or does not fit the waypoints.
+        If the curve is unknown or does not fit the waypoints.
     """
-    if settings.synchronisation == "shared":
-        parts = [problem]
-    elif settings.synchronisation == "per-joint":
-        parts = [problem.joint(j) for j in range(problem.n_joints)]
-    else:
-        raise unknown("synchronisation", settings.synchronisation, ("per-joint", "shared"))
+    alone = settings.synchronisation is Synchronisation.PER_JOINT
+    parts = [problem.joint(j) for j in range(problem.n_joints)] if alone else [problem]
     streams = np.random.SeedSequence(settings.seed).spawn(len(parts))
     runs = [_search(drive, part, settings, stream) for part, stream in zip(parts, streams, strict=True)]
     evaluations = sum(run.evaluations for run in runs)
@@ -125,13 +120,13 @@ class _Run:
 
 def _search(drive: Drive, problem: Problem, settings: RunSettings, stream: np.random.SeedSequence) -> _Run:
     curve = with_engine(curve_named(settings.curve), settings.evaluations)
-    formulation = formulation_named(settings.formulation, problem, curve)
-    meter = Meter(formulation, settings.evaluations)
+    objective = objective_of(settings.formulation, problem, curve)
+    meter = Meter(objective, settings.evaluations)
     box = Box(*(np.full(problem.n_segments, bound) for bound in problem.duration_bounds))
     drive(meter, box, settings.population, np.random.default_rng(stream))
     counts, values = meter.history.T
     found = meter.incumbent is not None
-    return _Run(found, meter.evaluations, counts, values, formulation.durations(meter.incumbents))
+    return _Run(found, meter.evaluations, counts, values, objective.durations(meter.incumbents))
 
 
 def _synchronised_history(runs: list[_Run]) -> Floats:

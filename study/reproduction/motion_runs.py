@@ -12,7 +12,7 @@ from study.curves import curve_named
 from study.errors import StudyError
 from study.judge import Verdict, judge
 from study.planners.segment_times import SegmentTimePlanner
-from study.planning import Plan, RunSettings
+from study.planning import Plan, RunSettings, Synchronisation
 from study.problem import Floats, Problem
 from study.registry import planner_named
 from study.reproduction.benchmark_runs import settled_at, thinned
@@ -73,7 +73,7 @@ class MotionCell:
 
     def _plan(self, case: Case, problem: Problem, seed: int) -> Plan:
         budget = self.population * self.generations
-        settings = RunSettings(case.curve, seed, budget, self.population, case.settings.formulation, "shared")
+        settings = RunSettings(case.curve, seed, budget, self.population, case.settings.formulation)
         return SegmentTimePlanner(self.search).plan(problem, settings)
 
 
@@ -96,7 +96,7 @@ class OptimumCell:
         """Durations and total in s; the message of the solver."""
         case = load_case(self.case)
         problem = problem_of(case, self.joint)
-        plan = planner_named(REFERENCE).plan(problem, replace(case.settings, synchronisation="shared"))
+        plan = planner_named(REFERENCE).plan(problem, replace(case.settings, synchronisation=Synchronisation.SHARED))
         if plan.motion is None:
             raise StudyError(f"case {self.case!r}: {REFERENCE} found no motion: {plan.message}")
         return {"durations": _durations(plan).tolist(), "total": plan.motion.duration, "message": plan.message}

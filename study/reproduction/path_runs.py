@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from study.errors import StudyError
 from study.planners.rrt_spso import attempt
-from study.planning import RunSettings
+from study.planning import RunSettings, Synchronisation
 from study.reproduction.jobs import Record
 
 CHUNK = 10
@@ -44,7 +44,11 @@ class PathAttempts:
         found: Record = {"tool": [], "waypoints": [], "arm": [], "duration": [], "length": [], "failed": []}
         for seed in range(self.first, self.first + self.count):
             settings = RunSettings(
-                "poly353", seed, self.population * self.generations, self.population, "penalty", "per-joint"
+                "poly353",
+                seed,
+                self.population * self.generations,
+                self.population,
+                synchronisation=Synchronisation.PER_JOINT,
             )
             try:
                 tried = attempt(self.method, seed, settings)

@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 
 from study.cases.library import Case
 from study.errors import StudyError, unknown
-from study.formulation import FORMULATIONS
-from study.planning import Freedom, RunSettings
+from study.planning import Formulation, Freedom, RunSettings, Synchronisation
 from study.registry import planner_named, planner_names, unavailable_planners
 from study.store.results import Cell
 
-SYNCHRONISATIONS = ("per-joint", "shared")
+OPTIONS = (*Formulation, *Synchronisation)
 AS_IN_PAPER = "as in the paper"
 """Synchronisation of a specification that takes that of the case's own paper; it has no name on the command line."""
 
@@ -90,9 +89,9 @@ def parse_spec(text: str) -> Spec:
     planner_named(name)
     chosen: dict[str, str] = {}
     for option in filter(None, (part.strip() for part in tail.split(","))):
-        kind = "formulation" if option in FORMULATIONS else "synchronisation"
-        if kind == "synchronisation" and option not in SYNCHRONISATIONS:
-            raise unknown(f"planner option in {text!r}:", option, (*FORMULATIONS, *SYNCHRONISATIONS))
+        if option not in OPTIONS:
+            raise unknown(f"planner option in {text!r}:", option, OPTIONS)
+        kind = "formulation" if option in tuple(Formulation) else "synchronisation"
         if kind in chosen:
             raise StudyError(f"planner {text!r} asks for two kinds of {kind}: {chosen[kind]} and {option}; keep one")
         chosen[kind] = option
@@ -109,7 +108,7 @@ def parse_specs(text: str) -> tuple[Spec, ...]:
     """
     parts: list[str] = []
     for part in filter(None, (part.strip() for part in text.split(","))):
-        if parts and (part in FORMULATIONS or part in SYNCHRONISATIONS):
+        if parts and part in OPTIONS:
             parts[-1] += f",{part}" if ":" in parts[-1] else f":{part}"
         else:
             parts.append(part)
@@ -169,14 +168,14 @@ def _cells(case: Case, spec: Spec, budget: Budget) -> list[Cell]:
     if budget.evaluations is not None:
         own = replace(own, evaluations=budget.evaluations)
     if not planner.stochastic:  # takes the plain problem unless told otherwise
-        own = replace(own, formulation="scaled", synchronisation="shared")
+        own = replace(own, formulation=Formulation.SCALED, synchronisation=Synchronisation.SHARED)
     if planner.freedom is not Freedom.CURVE:  # takes no budget either, so that no budget makes it another cell
-        own = RunSettings(curve=case.curve, formulation="scaled", time_limit=budget.time_limit)
+        own = RunSettings(curve=case.curve, formulation=Formulation.SCALED, time_limit=budget.time_limit)
     rule = case.settings.synchronisation if spec.synchronisation == AS_IN_PAPER else spec.synchronisation
     settings = replace(
         own,
-        formulation=spec.formulation or own.formulation,
-        synchronisation=rule or own.synchronisation,
+        formulation=Formulation(spec.formulation or own.formulation),
+        synchronisation=Synchronisation(rule or own.synchronisation),
     )
     seeds = range(budget.seeds) if planner.stochastic else range(1)
     label = _label(spec.planner, settings, own)

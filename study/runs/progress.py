@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from study.formulation import Formulation, Penalty, Scaled
+from study.formulation import Objective, Penalty, Scaled
 from study.planning import Meter
 from study.problem import Floats
 
@@ -41,7 +41,7 @@ class _Reporter:
     """Gather what the meters of one run see, and tell it now and then."""
 
     tell: Callable[[Progress], None]
-    seen: dict[Meter, tuple[Formulation, Floats, Floats]] = field(default_factory=dict)
+    seen: dict[Meter, tuple[Objective, Floats, Floats]] = field(default_factory=dict)
     last: float = -np.inf
 
     def __call__(self, meter: Meter, candidates: Floats) -> None:
@@ -53,7 +53,7 @@ class _Reporter:
             self.last = time.monotonic()
 
     def _progress(self) -> Progress:
-        driven = [formulation.durations(incumbent[None])[0] for formulation, incumbent, _ in self.seen.values()]
+        driven = [objective.durations(incumbent[None])[0] for objective, incumbent, _ in self.seen.values()]
         candidates = tuple(candidates.copy() for _, _, candidates in self.seen.values())
         return Progress(sum(meter.evaluations for meter in self.seen), np.max(driven, axis=0), candidates)
 

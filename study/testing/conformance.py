@@ -11,7 +11,7 @@ import numpy as np
 from study.errors import StudyError
 from study.judge import judge
 from study.parametric import ParametricTrajectory
-from study.planning import Meter, Plan, Planner, RunSettings, Status, undescribed
+from study.planning import Formulation, Meter, Plan, Planner, RunSettings, Status, Synchronisation, undescribed
 from study.problem import EndCondition, Floats, JointLimits, Problem
 from study.search.state import Box, Search, State
 from study.trajectory import Motion, Trajectory
@@ -85,7 +85,9 @@ def check_planner(
         With one sentence for the first part of the contract that is broken.
     """
     _require(not (reason := undescribed(planner)), reason)
-    chosen = settings or RunSettings("cubic-spline", seed=1, evaluations=300, population=20, formulation="scaled")
+    chosen = settings or RunSettings(
+        "cubic-spline", seed=1, evaluations=300, population=20, formulation=Formulation.SCALED
+    )
     solved = [_solves(planner, problem, chosen, may_be_infeasible) for problem in problems or example_problems()]
     _require(any(solved), "the planner solved none of the problems")
 
@@ -101,7 +103,7 @@ def _solves(planner: Planner, problem: Problem, settings: RunSettings, may_be_in
         _require("\n" not in str(first) and bool(str(first)), f"{where} its reason is not one sentence: {first}")
         return False
     _require(_motion_numbers(first.motion) == _motion_numbers(second.motion), f"{where} one seed gave two motions")
-    limit = settings.evaluations * (problem.n_joints if settings.synchronisation == "per-joint" else 1)
+    limit = settings.evaluations * (problem.n_joints if settings.synchronisation is Synchronisation.PER_JOINT else 1)
     _require(first.evaluations <= limit, f"{where} it used {first.evaluations} evaluations of {limit}")
     if first.motion is None:
         _require(first.status is not Status.FINISHED, f"{where} it says that it finished, but there is no motion")
