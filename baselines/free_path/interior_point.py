@@ -1,0 +1,251 @@
+r"""Primal-dual interior point with exact second derivatives for the free-path problem.
+
+    minimise f(x)   subject to   e(x) = 0,   c(x) - s = 0,   s >= 0
+
+Every iteration linearises the conditions of the barrier problem, min f - mu sum log s, eliminates slacks and multipliers
+of the rows, and solves what is left by structure. The barrier parameter follows Mehrotra: a first step with mu = 0 tells
+how far the complementarity can fall, a second one aims there and corrects for the first one's curvature.
+
+Steps are globalised in two modes. As long as the error of the optimality conditions keeps falling, any step that does not
+let the infeasibility grow is taken. When the error stalls, mu is held and a filter decides: a step must lower either the
+infeasibility or the barrier function, below all pairs met since mu was set.
+
+References
+----------
+S. Mehrotra, On the implementation of a primal-dual interior point method, SIAM J. Optim. 2(4), 1992.
+A. Waechter and L. Biegler, On the implementation of an interior-point filter line-search algorithm, Math. Program. 106,
+2006; J. Nocedal, A. Waechter and R. Waltz, Adaptive barrier update strategies, SIAM J. Optim. 19(4), 2009.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+
+from baselines.free_path.model import Model
+from baselines.free_path.newton import Frame, Gradient, Newton, gradient
+from baselines.free_path.pieces import Bounds, Pieces, Point, pieces_at
+from baselines.free_path.rows import Rows
+from baselines.free_path.shared_system import layout_of
+from study.deadline import noted
+from study.problem import Floats
+
+
+class Ending(Enum):
+    """Why the method stopped."""
+
+    CONVERGED = "converged"
+    ITERATIONS = "the iterations ran out"
+    STUCK = "no step made progress"
+    LATE = "the time limit was reached"
+
+
+@dataclass(frozen=True)
+class Goal:
+    """When to stop.
+
+    Attributes
+    ----------
+    barrier : float
+        Complementarity to reach.
+    error : float
+        What may be left of the optimality conditions and equations.
+    iterations : int
+    deadline : float, s
+        On the clock of `time.monotonic`.
+    """
+
+    barrier: float = 1e-9
+    error: float = 1e-7
+    iterations: int = 150
+    deadline: float = np.inf
+    centring: float = 0.0
+
+
+class State(NamedTuple):
+    """A point with its slacks and multipliers.
+
+    Attributes
+    ----------
+    point : Point
+    slacks, multipliers : arrays, one entry for every row
+    equations : array of shape (n_segments, n_moving, 3)
+        Multipliers of the closing equations.
+    """
+
+    point: Point
+    slacks: Floats
+    multipliers: Floats
+    equations: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Where the method ended.
+
+    Attributes
+    ----------
+    state : State
+    ending : Ending
+    iterations : int
+    history : list of tuples
+        Complementarity, infeasibility, dual error, duration, primal step, dual step, for every iteration.
+    """
+
+    state: State
+    ending: Ending
+    iterations: int
+    history: list[tuple[float, ...]]
+
+
+@dataclass
+class Filter:
+    """Pairs of infeasibility and barrier function that a step must undercut in one of the two."""
+
+    pairs: list[tuple[float, float]] = field(default_factory=list)
+
+    def accepts(self, infeasibility: float, barrier: float) -> bool:
+        """Whether no pair dominates."""
+        return all(
+            infeasibility <= (1 - 1e-5) * theta or barrier <= phi - 1e-5 * theta - 1e-12 * abs(phi)
+            for theta, phi in self.pairs
+        )
+
+
+def frame_of(model: Model, free: bool, shares: Floats) -> Frame:
+    """Prepare what does not change during a run."""
+    bounds = Bounds(model, free)
+    return Frame(model, bounds, Rows(model, bounds), layout_of(model), free, shares)
+
+
+def started(frame: Frame, point: Point, mu: float) -> State:
+    """Give a point slacks and multipliers for a barrier parameter."""
+    values = frame.rows.values(pieces_at(frame.model, frame.bounds, point), point)
+    slacks = np.maximum(values, np.where(frame.rows.active, min(1e-2, 0.1 * np.sqrt(mu)), 1.0))
+    return State(point, slacks, frame.rows.weight * mu / slacks, np.zeros((*frame.model.shape[:2], 3)))
+
+
+def resumed(frame: Frame, state: State, mu: float) -> State:
+    """Go on from a state of a run with fixed widths or with free ones, at a barrier parameter."""
+    values = frame.rows.values(pieces_at(frame.model, frame.bounds, state.point), state.point)
+    slacks = np.maximum(values, np.where(frame.rows.active, 0.1 * np.sqrt(mu), 1.0))
+    usual = frame.rows.weight * mu / slacks
+    low = state.multipliers * slacks < 10 * mu
+    multipliers = np.where(low, np.maximum(frame.rows.weight * state.multipliers, usual), 10 * usual)
+    return State(state.point, slacks, multipliers, state.equations)
+
+
+def solve(frame: Frame, state: State, goal: Goal) -> Outcome:
+    """Iterate until the goal is reached."""
+    run = Run(frame, state)
+    for iteration in range(goal.iterations):
+        if run.reached(goal):
+            return run.outcome(Ending.CONVERGED, iteration)
+        if noted(time.monotonic() > goal.deadline):
+            return run.outcome(Ending.LATE, iteration)
+        if not run.advance(goal):
+            return run.outcome(Ending.STUCK, iteration)
+    return run.outcome(Ending.ITERATIONS, goal.iterations)
+
+
+class Run:
+    """One run: the state, what was evaluated there, and the memory of the globalisation.
+
+    Parameters
+    ----------
+    frame : Frame
+    state : State
+    """
+
+    def __init__(self, frame: Frame, state: State) -> None:
+        self.frame, self.state = frame, state
+        self.regularisation = 0.0
+        self.history: list[tuple[float, ...]] = []
+        self._enter(state, pieces_at(frame.model, frame.bounds, state.point))
+
+    def _enter(self, state: State, at: Pieces) -> None:
+        rows = self.frame.rows
+        self.state, self.at = state, at
+        self.residual = rows.values(at, state.point) - state.slacks
+        self.slope: Gradient = gradient(self.frame, at, -state.multipliers, state.equations)
+        self.mu = float(state.multipliers @ state.slacks) / max(rows.count, 1)
+        self.primal = max(float(np.abs(self.residual).max()), float(np.abs(at.errors).max()))
+        self.dual = self.slope.size(self.frame.layout)
+
+    def reached(self, goal: Goal) -> bool:
+        """Whether the conditions of the optimum hold."""
+        return self.mu <= goal.barrier and max(self.primal, self.dual) <= goal.error
+
+    def outcome(self, ending: Ending, iterations: int) -> Outcome:
+        """Report."""
+        return Outcome(self.state, ending, iterations, self.history)
+
+    def advance(self, goal: Goal) -> bool:
+        """Take one step; whether one could be taken."""
+        state, rows = self.state, self.frame.rows
+        stiffness = state.multipliers / state.slacks
+        newton = Newton(self.frame, self.at, state.multipliers, stiffness, self.slope.costates, self.regularisation / 3)
+        if not newton.system.solvable:
+            return False
+        self.regularisation = newton.regularisation if newton.regularisation > 1e-8 else 0.0
+        first = self._direction(newton, stiffness, np.zeros(1))
+        primal, dual = self._room(first, 1.0)
+        gap = (state.slacks + primal * first.slacks) @ (state.multipliers + dual * first.multipliers) / rows.count
+        target = max(max(goal.centring, min(1.0, float(gap) / self.mu) ** 3) * self.mu, 0.5 * goal.barrier)
+        limit = 10 * target + 0.1 * self.mu
+        bend = np.clip(primal * dual * first.slacks * first.multipliers, -limit, limit)
+        step = self._direction(newton, stiffness, rows.weight * (target - bend))
+        return self._take(step, *self._room(step, max(0.9, 1 - self.mu)))
+
+    def _direction(self, newton: Newton, stiffness: Floats, aim: Floats) -> State:
+        """Step towards complementarity `aim`, an entry for every row."""
+        state, frame = self.state, self.frame
+        pulled = aim / state.slacks - stiffness * self.residual
+        slope = gradient(frame, self.at, -pulled, state.equations)
+        point, equations = newton.step(slope)
+        slacks = frame.rows.change(self.at, point) + self.residual
+        return State(point, slacks, pulled - stiffness * (slacks - self.residual) - state.multipliers, equations)
+
+    def _room(self, step: State, share: float) -> tuple[float, float]:
+        """Longest primal and dual steps that leave slacks, durations and multipliers positive."""
+        state = self.state
+        primal = min(1.0, share / max(1e-300, float((-step.slacks / state.slacks).max())))
+        shrink = float((-step.point.durations / state.point.durations).max())
+        primal = min(primal, 0.5 / shrink) if shrink > 0 else primal
+        positive = self.frame.rows.active
+        ratio = float((-step.multipliers[positive] / state.multipliers[positive]).max(initial=0.0))
+        return max(primal, 0.0) if primal > 0 else 1.0, min(1.0, share / max(1e-300, ratio))
+
+    def _infeasibility(self, at: Pieces, residual: Floats) -> float:
+        return float(np.abs(at.errors).sum() + np.abs(residual).sum())
+
+    def _take(self, step: State, primal: float, dual: float) -> bool:
+        state, frame = self.state, self.frame
+        now = self._infeasibility(self.at, self.residual)
+        for _ in range(6):
+            point = state.point.moved(step.point, primal)
+            slacks = state.slacks + primal * step.slacks
+            at = pieces_at(frame.model, frame.bounds, point)
+            residual = frame.rows.values(at, point) - slacks
+            if self._infeasibility(at, residual) <= max(1.5 * now, 1e-3 * self.at.errors[..., 0].size):
+                break
+            primal *= 0.5
+        multipliers = state.multipliers + dual * step.multipliers
+        equations = state.equations + dual * step.equations
+        self.history.append(
+            (
+                self.mu,
+                self.primal,
+                self.dual,
+                float(frame.model.tau @ point.durations),
+                primal,
+                dual,
+                self.regularisation,
+            )
+        )
+        self._enter(State(point, slacks, multipliers, equations), at)
+        return bool(np.isfinite(self.mu + self.dual + self.primal))

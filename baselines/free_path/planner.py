@@ -1,0 +1,59 @@
+"""Planner `free-path`: the shortest motion of its own path, by a structured interior point."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import ClassVar
+
+from baselines.free_path.interior_point import Ending
+from baselines.free_path.phases import free_path
+from baselines.free_path.question import of
+from study.errors import StudyError
+from study.judge import judge
+from study.planning import Plan, RunSettings, Status
+from study.problem import Problem
+
+STATUS = {
+    Ending.CONVERGED: Status.FINISHED,
+    Ending.LATE: Status.TIMED_OUT,
+    Ending.ITERATIONS: Status.NOT_CONVERGED,
+    Ending.STUCK: Status.NOT_CONVERGED,
+}
+
+
+@dataclass(frozen=True)
+class FreePathPlanner:
+    """Planner `free-path`: widths of every joint's own, limits held everywhere, no curve family.
+
+    Parameters
+    ----------
+    pieces : int
+        Pieces per segment and joint, K, at least 3.
+    """
+
+    pieces: int = 8
+    stochastic: ClassVar[bool] = False
+    segment_times: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        if self.pieces < 3:
+            raise StudyError(f"free path: pieces per segment must be at least 3, got {self.pieces}")
+
+    def plan(self, problem: Problem, settings: RunSettings) -> Plan:
+        """Plan within the settings' time limit; the motion so far where that is not enough."""
+        deadline = time.monotonic() + settings.time_limit
+        question = of(problem)
+        if not question.kinds.any():
+            return Plan(Status.NOT_APPLICABLE, message="no joint with a limit moves, so there is no shortest time")
+        answer = free_path(question, self.pieces, deadline)
+        feasible = judge(problem, answer.motion).feasible
+        if not feasible and answer.ending is not Ending.CONVERGED:
+            return Plan(Status.FAILED, iterations=answer.iterations, message=f"interior point: {answer.ending.value}")
+        return Plan(
+            STATUS[answer.ending],
+            motion=answer.motion,
+            iterations=answer.iterations,
+            message=f"interior point: {answer.ending.value}",
+            details={"stretch": answer.stretch, "pieces": float(self.pieces)},
+        )
