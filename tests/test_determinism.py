@@ -87,6 +87,7 @@ def test_a_study_has_the_same_results_under_every_python(tmp_path):
         "certified",
         "casadi-nlp",
         "ruckig-via",
+        "free-path",
         "free-path-nlp",
         "quintic-nlp",
         "topp3-nlp",

@@ -9,9 +9,10 @@ from typing import ClassVar
 from baselines.free_path.interior_point import Ending
 from baselines.free_path.phases import free_path
 from baselines.free_path.question import of
+from study.demands import Demand
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import Plan, RunSettings, Status
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Problem
 
 STATUS = {
@@ -33,8 +34,10 @@ class FreePathPlanner:
     """
 
     pieces: int = 8
+    about: ClassVar[str] = "free path in pieces whose widths every joint chooses, optimised by an interior point"
+    freedom: ClassVar[Freedom] = Freedom.FREE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS | {Demand.POSITION_RANGE, Demand.DIRECTIONAL_LIMITS}
     stochastic: ClassVar[bool] = False
-    segment_times: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         if self.pieces < 3:

@@ -60,7 +60,8 @@ class FreePathProblem:
     def __post_init__(self) -> None:
         if (self.upper <= 0).any() or (self.lower >= 0).any():
             raise StudyError("free path: every limit must leave some room in both directions")
-        if (self.dwells[1:-1] > 0).any() and not self.stops[1:-1][self.dwells[1:-1] > 0].all():
+        passing = np.where(self.stops, 0.0, self.dwells)[1:-1]
+        if np.any(passing > 0):
             raise StudyError("free path: a dwell is only possible at a waypoint where all joints stop")
 
     @property
@@ -76,10 +77,9 @@ class FreePathProblem:
     @property
     def kinds(self) -> Integers:
         """Highest limited rate of every joint, shape (n_joints,): 3 jerk, 2 acceleration, 1 velocity, 0 none or still."""
-        limited = (np.isfinite(self.lower) | np.isfinite(self.upper)).any(axis=1)
-        highest = np.where(limited[2], 3, np.where(limited[1], 2, limited[0].astype(int)))
-        span = np.ptp(self.waypoints, axis=0)
-        return np.where(span > STILL, highest, 0)
+        limited = np.isfinite(np.minimum(-self.lower, self.upper)).any(axis=1)
+        highest = (limited * np.arange(1, 4)[:, None]).max(axis=0)
+        return np.where(np.ptp(self.waypoints, axis=0) > STILL, highest, 0)
 
     @property
     def rates(self) -> Floats:
@@ -108,13 +108,12 @@ def of(problem: Problem) -> FreePathProblem:
     """Express a problem of the study."""
     points, limits = problem.waypoints, problem.limits
     n_points, n_joints = points.shape
-    rates = np.repeat(limits.rates[:, None], n_points - 1, axis=1)
     state = np.full((2, n_joints), np.nan)
     state[: {EndCondition.FREE: 0, EndCondition.REST: 1, EndCondition.SMOOTH: 2}[problem.end]] = 0.0
     return FreePathProblem(
         waypoints=points,
-        lower=-rates,
-        upper=rates,
+        lower=np.repeat(limits.lowest_rates[:, None], n_points - 1, axis=1),
+        upper=np.repeat(limits.highest_rates[:, None], n_points - 1, axis=1),
         range_lower=np.tile(limits.lower, (n_points - 1, 1)),
         range_upper=np.tile(limits.upper, (n_points - 1, 1)),
         start=state,

@@ -89,14 +89,14 @@ class SharedSystem:
         band[0, layout.nodes[own]] += stiffness[own]
         band[0] += max(regularisation, 1e-11)
         try:
-            self._factor = cholesky_banded(band, overwrite_ab=True, lower=True, check_finite=False)
+            self.factor = cholesky_banded(band, overwrite_ab=True, lower=True, check_finite=False)
         except LinAlgError:
-            self._factor = None
+            self.factor = np.empty((0, 0))
 
     @property
     def solvable(self) -> bool:
         """Whether the matrix is positive definite."""
-        return self._factor is not None
+        return self.factor.size > 0
 
     def solve(self, right: Floats, nodes: Floats, durations: Floats) -> tuple[Floats, Floats, Floats]:
         """Solve for the shared unknowns.
@@ -116,7 +116,7 @@ class SharedSystem:
         shared : array of shape (n_segments, n_moving, 7)
         """
         total = gathered(self.layout, right, nodes, durations)
-        answer = np.append(cho_solve_banded((self._factor, True), total, check_finite=False), 0.0)
+        answer: Floats = np.append(cho_solve_banded((self.factor, True), total, check_finite=False), 0.0)
         layout = self.layout
         return answer[layout.nodes], answer[layout.durations], answer[layout.blocks]
 
@@ -126,5 +126,4 @@ def gathered(layout: Layout, shared: Floats, nodes: Floats, durations: Floats) -
     places = np.concatenate([layout.blocks.ravel(), layout.nodes.ravel(), layout.durations])
     values = np.concatenate([shared.ravel(), nodes.ravel(), durations])
     keep = places >= 0
-    total: Floats = np.bincount(places[keep], weights=values[keep], minlength=layout.size)
-    return total
+    return np.bincount(places[keep], weights=values[keep], minlength=layout.size).astype(np.float64)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from baselines.free_path.model import Model
 from baselines.free_path.pieces import Point
-from baselines.free_path.question import FreePathProblem
+from baselines.free_path.question import FreePathProblem, Integers
 from study.problem import Floats
 
 
@@ -59,12 +61,13 @@ def node_velocities(question: FreePathProblem, durations: Floats) -> Floats:
     velocity = np.zeros_like(question.waypoints)
     velocity[0], velocity[-1] = at_start, at_end
     stops = np.concatenate([[0], np.flatnonzero(question.stops[1:-1]) + 1, [len(knots) - 1]])
-    for first, last in zip(stops[:-1], stops[1:], strict=True):
+    for first, last in pairwise(stops):
         if last - first < 2:
             continue
         part = slice(first, last + 1)
-        ends = ((1, velocity[first]), (1, velocity[last]))
-        velocity[part] = CubicSpline(knots[part], question.waypoints[part], bc_type=ends)(knots[part], 1)
+        ends = velocity[first], velocity[last]
+        spline = CubicSpline(knots[part], question.waypoints[part], bc_type=((1, ends[0]), (1, ends[1])))
+        velocity[part] = spline(knots[part], 1)
     return velocity
 
 
@@ -77,7 +80,7 @@ def _accelerations(steps: Floats, velocity: Floats, durations: Floats) -> tuple[
 
 
 def _stretch(
-    question: FreePathProblem, joints: Floats, velocity: Floats, ends: tuple[Floats, Floats], t: Floats
+    question: FreePathProblem, joints: Integers, velocity: Floats, ends: tuple[Floats, Floats], t: Floats
 ) -> float:
     """Factor that slows the spline down to its limits, at the nodes."""
     v, a, j = question.rates[:, :, joints]

@@ -20,6 +20,7 @@ WHAT = {
     "de": "differential evolution",
     "direct": "DIRECT of SciPy: divides the box of durations, draws no random number",
     "dynamic-adaptive-pso": "particle swarm whose weights change with the generation, of the AUBO paper",
+    "free-path": "free path in short pieces of polynomials with widths of their own, optimised by an interior point of the project",
     "free-path-nlp": "free path in short pieces of polynomials, optimised by IPOPT",
     "gold-sa": "golden sine search",
     "golds-pso": "particle swarm without velocities, with a golden sine step, of the woodworking paper",

@@ -26,6 +26,7 @@ CAUSES = {
     "copp": FIXED_CAUSE + "; jerk is limited too",
     "quintic-nlp": "curve family: quintic segments with free velocities and accelerations at the waypoints",
     "bspline-nlp": "path: free between the waypoints, on one smooth B-spline of degree 5",
+    "free-path": "path: free between the waypoints, every joint changing its jerk or acceleration when it likes",
     "free-path-nlp": "path: free between the waypoints, with several pieces of constant jerk or acceleration per segment",
     "ruckig-stops": "path: free between the waypoints, but the arm stops at each of them",
     "ruckig-via": "path: free between the waypoints, which the arm passes in motion",

@@ -9,7 +9,7 @@ from baselines.closed_forms import three_limit_time, two_limit_time
 from baselines.free_path.planner import FreePathPlanner
 from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.planning import RunSettings, Status
-from tests.reference_problems import EACH_LIMIT, INF, small, woodworking
+from tests.helpers.reference_problems import EACH_LIMIT, INF, small, woodworking
 
 SETTINGS = RunSettings("cubic-spline", time_limit=60.0)
 
