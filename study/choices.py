@@ -22,3 +22,21 @@ class Choice(StrEnum):
         """
         kind = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", cls.__name__).lower()
         raise unknown(kind, str(value), [str(member) for member in cls])
+
+
+def convert(options: object, **kinds: type[Choice]) -> None:
+    """Turn the texts among a frozen dataclass's fields into members of their enumerations.
+
+    Parameters
+    ----------
+    options : dataclass instance
+        To be called from its `__post_init__`.
+    **kinds : enumeration for each field
+
+    Raises
+    ------
+    StudyError
+        If a text is not a member.
+    """
+    for field, kind in kinds.items():
+        object.__setattr__(options, field, kind(getattr(options, field)))

@@ -20,8 +20,8 @@ VARIABLE = "STUDY_ENGINE"
 AUTO, NUMPY, NUMBA = "auto", "numpy", "numba"
 CHOICES = (AUTO, NUMPY, NUMBA)
 WORTHWHILE = 50_000
-"""Evaluations of one run from which `auto` compiles: a worker pays about a second once to import numba and load its code,
-as long as NumPy takes for 10^5 evaluations of a spline; the quick study has 2000 for each run."""
+"""Evaluations of one run from which `auto` compiles: a worker pays about a second once to import numba and load its
+code, as long as NumPy takes for 10^5 evaluations of a spline; the quick study has 2000 for each run."""
 
 
 def installed() -> bool:

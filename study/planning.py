@@ -81,7 +81,8 @@ class RunSettings:
         object.__setattr__(self, "synchronisation", Synchronisation(self.synchronisation))
         if self.evaluations < 1 or self.population < 1:
             raise StudyError(
-                f"budget and population must be at least 1, got {self.evaluations} evaluations, population {self.population}"
+                f"budget and population must be at least 1, got {self.evaluations} evaluations, "
+                f"population {self.population}"
             )
 
 
@@ -105,8 +106,8 @@ class Plan:
     message : str
         The reason where there is no motion, or a remark.
     details : mapping of str to float
-        Numbers worth keeping, such as a planner's own lower bound. Names that end in `_seconds` are wall times: they are
-        kept, but take no part in comparing two runs.
+        Numbers worth keeping, such as a planner's own lower bound. Names that end in `_seconds` are wall times: they
+        are kept, but take no part in comparing two runs.
     """
 
     status: Status
@@ -189,7 +190,7 @@ def undescribed(planner: object) -> str:
 
 
 def usual_settings(problem: Problem) -> RunSettings:
-    """Choose settings for a problem of one's own: a curve that fits, all joints together, every candidate made feasible."""
+    """Settings for a problem of one's own: a curve that fits, all joints together, every candidate made feasible."""
     return RunSettings(curve=usual_curve(problem), formulation=Formulation.SCALED)
 
 
@@ -224,7 +225,7 @@ class Meter:
 
     @property
     def exhausted(self) -> bool:
-        """Whether the budget is spent."""
+        """True when the budget is spent."""
         return self.evaluations >= self.budget
 
     @property

@@ -1,4 +1,4 @@
-"""The study's problems for other people's optimisers: a counted objective, and the forms that their packages want."""
+"""Adapters of the study's problems to optimisation packages: a counted objective and the packages' own forms."""
 
 from study.adapters.objective import DurationObjective, Instance, objective, suite
 from study.adapters.packages import ioh_callable, mealpy_problem, pymoo_problem

@@ -1,4 +1,4 @@
-"""A case as a box-constrained minimisation problem in segment durations, counted, with the best value known."""
+"""Counted objective: a case as a box-constrained minimisation problem in segment durations."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from study.problem import Floats
 
 @dataclass(frozen=True, eq=False)
 class Instance:
-    """A reflection of some coordinates in the middle of the box, then a shift of the whole box.
+    """Instance of an objective: some coordinates reflected in the middle of the box, then the box shifted.
 
-    The landscape stays the same up to an isometry, so the best value does too, but a search that favours the origin, the
-    axes' directions or the middle of the box no longer gains by it.
+    The landscape stays the same up to an isometry, so the best value does too, but a search that favours the origin,
+    the axes' directions or the middle of the box no longer gains by it.
 
     Attributes
     ----------
@@ -137,7 +137,7 @@ class DurationObjective:
 def objective(
     case: str | Case, formulation: Formulation | str = Formulation.SCALED, instance: int = 0
 ) -> DurationObjective:
-    """Take a case as an objective.
+    """Objective of a case.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The forms that other packages want; each is imported only when it is asked for."""
+"""Problem forms of pymoo, mealpy and IOHexperimenter; each package is imported only when asked for."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class _Named:
 
 @dataclass
 class IohCallable:
-    """An objective with the attributes of an IOHexperimenter problem: `meta_data`, `bounds`, `optimum`, `state`, `reset`.
+    """Objective with the attributes of an IOHexperimenter problem: `meta_data`, `bounds`, `optimum`, `state`, `reset`.
 
     Attributes
     ----------
@@ -90,10 +90,14 @@ class IohCallable:
     @property
     def meta_data(self) -> _Named:
         """Name, number of variables, instance and kind of optimisation."""
-        one = self.objective
-        name = f"{one.case.name}-{one.formulation}"
+        wrapped = self.objective
         return _Named(
-            {"name": name, "n_variables": one.n_dimensions, "instance": one.instance.number, "minimization": True}
+            {
+                "name": f"{wrapped.case.name}-{wrapped.formulation}",
+                "n_variables": wrapped.n_dimensions,
+                "instance": wrapped.instance.number,
+                "minimization": True,
+            }
         )
 
     @property

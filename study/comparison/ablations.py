@@ -22,6 +22,7 @@ from study.comparison.trials import Job, Trial
 from study.search.chaotic_spso import ChaoticSPSO
 from study.search.dynamic_adaptive_pso import DynamicAdaptivePSO
 from study.search.golds_pso import GoldSPSO
+from study.search.reading import PaperReading
 from study.search.smwoa import SMWOA
 from study.search.ssa import SSA
 from study.search.state import Search
@@ -124,7 +125,7 @@ ABLATIONS = (
             falling_inertia={"inertia": (0.9, 0.4)},
             asynchronous_learning_factors={"asynchronous": True},
         )
-        | {"inertia as printed": replace(_CHAOTIC, reading="as-printed")},
+        | {"inertia as printed": replace(_CHAOTIC, reading=PaperReading.AS_PRINTED)},
     ),
 )
 

@@ -22,7 +22,7 @@ class Peaks(Protocol):
 
 
 def demanded(peaks: Floats, limits: Floats, orders: tuple[int, ...]) -> Floats:
-    """Factor on all durations that the peak rates demand, k = max(v/V, sqrt(a/A), cbrt(j/J)) over orders and joints.
+    """Stretch factor that peak rates demand, k = max(v/V, sqrt(a/A), cbrt(j/J)) over orders and joints.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def demanded(peaks: Floats, limits: Floats, orders: tuple[int, ...]) -> Floats:
 
 
 def penalised(durations: Floats, factors: Floats, charge: float) -> Floats:
-    """Total times, and for a candidate that is not feasible a charge besides, in proportion to its factor.
+    """Penalised total times: an infeasible candidate pays a charge in proportion to its stretch factor.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def penalised(durations: Floats, factors: Floats, charge: float) -> Floats:
 
 @dataclass(frozen=True)
 class Curve:
-    """One family of curves through waypoints.
+    """Curve family through waypoints.
 
     Attributes
     ----------
@@ -124,7 +124,13 @@ CURVES = {
 
 
 def curve_named(name: str) -> Curve:
-    """Look a family up by name, or say which there are."""
+    """Curve family of a name.
+
+    Raises
+    ------
+    StudyError
+        If there is no such family.
+    """
     if name not in CURVES:
         raise unknown("curve", name, CURVES)
     return CURVES[name]

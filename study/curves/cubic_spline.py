@@ -78,7 +78,8 @@ def unit_coefficients(waypoints: Floats, durations: Floats) -> Floats:
 def peaks(waypoints: Floats, durations: Floats, orders: tuple[int, ...] = (1, 2, 3)) -> Floats:
     """Exact peak rates of every candidate.
 
-    Acceleration is linear in each segment, so it peaks at waypoints; velocity peaks there or where acceleration is zero.
+    Acceleration is linear in each segment, so it peaks at waypoints; velocity peaks there or where acceleration is
+    zero.
 
     Parameters
     ----------

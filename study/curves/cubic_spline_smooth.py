@@ -2,13 +2,13 @@
 
 Two more conditions than the clamped spline need two more unknowns: the first and the last segment are halved, and the
 position at each halving is free (the virtual points of the field). With a the halved duration, the virtual position
-follows from the acceleration m there, q0 + m a^2 / 6, and drops out of the other equations: the accelerations at the inner
-waypoints solve a tridiagonal system of their own in which the outer segments count with slope (q1 - q0) / a.
+follows from the acceleration m there, q0 + m a^2 / 6, and drops out of the other equations: the accelerations at the
+inner waypoints solve a tridiagonal system of their own in which the outer segments count with slope (q1 - q0) / a.
 
 References
 ----------
-The sparrow-search paper's Eqs. (8)-(11) leave an acceleration step at both ends; this is the variant without it. Virtual
-points: Gasparetto and Zanotto 2008, after Lin, Chang and Luh 1983.
+The sparrow-search paper's Eqs. (8)-(11) leave an acceleration step at both ends; this is the variant without it.
+Virtual points: Gasparetto and Zanotto 2008, after Lin, Chang and Luh 1983.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""Paths around boxes: the RRT of the PUMA560 paper, its honest references, and collision checks of a whole arm."""
+"""Pathfinding among boxes: the RRT of the PUMA560 paper, stronger references, and collision checks of a whole arm."""

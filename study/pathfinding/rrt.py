@@ -46,7 +46,7 @@ class _Tree:
 
 @dataclass(frozen=True)
 class RRT:
-    """Settings of a tree.
+    """Rapidly exploring random tree (RRT) and its settings.
 
     Attributes
     ----------
@@ -134,7 +134,7 @@ def _check_ends(world: World, start: Floats, goal: Floats) -> None:
 
 
 def shortcut(world: World, path: Floats, rng: np.random.Generator, attempts: int = 200) -> Floats:
-    """Replace random stretches of a path by free straight segments; never longer, never in collision.
+    """Shortcut smoothing: free straight segments for random stretches of a path; never longer, never in collision.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A world of axis-aligned boxes, and exact tests of segments and capsules against it."""
+"""Obstacle world of axis-aligned boxes, and exact tests of segments and capsules against it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from study.problem import Floats, frozen_array
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """Free space is a box; obstacles are boxes inside it. One unit of length throughout.
+    """Obstacle world: free space is a box, and obstacles are boxes inside it, all in one unit of length.
 
     Parameters
     ----------
@@ -36,13 +36,14 @@ class World:
             object.__setattr__(self, name, frozen_array(getattr(self, name), f"world: {name}"))
         if self.obstacles.ndim != 3 or self.obstacles.shape[1:] != (2, 3) or self.lower.shape != (3,):
             raise StudyError(
-                f"world: corners need shape (3,) and obstacles (n, 2, 3), got {self.lower.shape} and {self.obstacles.shape}"
+                "world: corners need shape (3,) and obstacles (n, 2, 3), "
+                f"got {self.lower.shape} and {self.obstacles.shape}"
             )
         if (self.obstacles[:, 0] >= self.obstacles[:, 1]).any() or (self.lower >= self.upper).any():
             raise StudyError("world: every box needs a lower corner below its upper corner in all three coordinates")
 
     def hits(self, start: Floats, stop: Floats) -> np.ndarray:
-        """Whether segments touch an obstacle, by the slab test; bool array of shape (n_segments,).
+        """Collision test of segments with the obstacles, by the slab method; bool array of shape (n_segments,).
 
         Parameters
         ----------
@@ -104,10 +105,11 @@ def arm_clearance(world: World, links: Floats, radius: float) -> Floats:
 
 
 def random_world(rng: np.random.Generator, n_obstacles: int = 10, side: float = 1000.0) -> World:
-    """Boxes of varying size in a cube; two opposite corners are free, the diagonal between them is not.
+    """Random boxes of varying size in a cube; two opposite corners are free, the diagonal between them is not.
 
     The PUMA560 paper's cube is 1000 on a side with start and goal at opposite corners and a path that has to go round
-    obstacles several times; it does not print them, so these are ours, drawn from a seed, every other one on the diagonal.
+    obstacles several times; it does not print them, so these are ours, drawn from a seed, every other one on the
+    diagonal.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""The papers' planners: a search with the paper's constants, one file per paper."""
+"""Planners of the papers, one file per paper: a search with the paper's constants; other searches in one file."""

@@ -8,15 +8,16 @@ AUBO paper, Section 4.
 from __future__ import annotations
 
 from study.planners.segment_times import SegmentTimePlanner
+from study.search.bounds import BoundsRule
 from study.search.dynamic_adaptive_pso import DynamicAdaptivePSO
-from study.search.pso import VelocityUpdate
+from study.search.pso import ClampUnit, VelocityUpdate
 
 _SEARCH = DynamicAdaptivePSO(
     inertia=(0.9, 0.1),  # Section 4.3: w_max, w_min
     learning=(2.5, 1.5),  # Section 4.3: c_max, c_min
     one_number=True,  # eq. (15): rand(Pop, 1)
     velocity=VelocityUpdate(
-        clamp=4.0, unit="absolute", bounds="clip"
+        clamp=4.0, unit=ClampUnit.ABSOLUTE, bounds=BoundsRule.CLIP
     ),  # Section 4.3: velocities in [-4, 4]; bounds rule ours
 )
 

@@ -18,8 +18,9 @@ from scipy import optimize
 from study.planners.segment_times import SegmentTimePlanner, plan_segment_times
 from study.planning import RATE_LIMITS, Formulation, Freedom, Meter, Plan, RunSettings
 from study.problem import Demand, Floats, Problem
+from study.search.bounds import BoundsRule
 from study.search.cma_es import CMAES
-from study.search.pso import PSO, VelocityUpdate
+from study.search.pso import PSO, ClampUnit, VelocityUpdate
 from study.search.random_search import RandomSearch
 from study.search.sca import SCA
 from study.search.state import Box
@@ -30,7 +31,7 @@ HOPELESS = 1e9
 
 
 class Minimiser(Protocol):
-    """Anything that spends a meter's budget on finding a low value in a box, and runs its own loop."""
+    """Optimiser that runs its own loop on a meter's budget in a box."""
 
     def minimise(self, meter: Meter, box: Box, population: int, rng: np.random.Generator) -> None:
         """Evaluate candidates until the budget is spent or there is nothing left to do; the meter keeps the result."""
@@ -38,7 +39,7 @@ class Minimiser(Protocol):
 
 @dataclass(frozen=True)
 class MinimiserPlanner:
-    """Minimise total time over segment durations with something that runs its own loop.
+    """Segment-time planner with an optimiser that runs its own loop.
 
     Parameters
     ----------
@@ -46,7 +47,7 @@ class MinimiserPlanner:
     about : str
         One line that says how it works.
     formulation : Formulation, optional
-        The formulation that it needs, whatever the settings ask for; None takes theirs.
+        Formulation that the optimiser needs, whatever the settings ask for; None takes that of the settings.
     """
 
     minimiser: Minimiser
@@ -67,13 +68,13 @@ class MinimiserPlanner:
 
 @dataclass(frozen=True)
 class DeterministicMinimiserPlanner(MinimiserPlanner):
-    """The same for a minimiser that draws no random numbers."""
+    """Segment-time planner with an optimiser that draws no random numbers."""
 
     stochastic: ClassVar[bool] = False
 
 
 class _SpentError(Exception):
-    """The budget is spent; ends a loop that is not ours."""
+    """Signal that the budget is spent; ends a loop that is not ours."""
 
 
 def _spend(meter: Meter, candidates: Floats) -> Floats:
@@ -133,7 +134,7 @@ class LBFGSB:
 
 @dataclass(frozen=True)
 class ScipyDE:
-    """SciPy's differential evolution with its own settings, without its final polish; starts again when it has converged.
+    """SciPy's differential evolution with SciPy's settings, without the final polish; restarts when converged.
 
     Attributes
     ----------
@@ -187,7 +188,7 @@ class Direct:
 
 @dataclass(frozen=True)
 class Centre:
-    """Evaluate the centre of the box and nothing else: equal durations."""
+    """Centre of the box, equal durations, and nothing else."""
 
     def minimise(self, meter: Meter, box: Box, population: int, rng: np.random.Generator) -> None:
         """Evaluate one candidate."""
@@ -199,7 +200,7 @@ PSO_STANDARD = SegmentTimePlanner(
         inertia=(0.9, 0.4),  # Shi and Eberhart 1998
         cognitive=2.0,  # Kennedy and Eberhart 1995
         social=2.0,
-        velocity=VelocityUpdate(clamp=0.2, unit="share", bounds="clip"),  # ours
+        velocity=VelocityUpdate(clamp=0.2, unit=ClampUnit.SHARE, bounds=BoundsRule.CLIP),  # ours
     ),
     "the standard particle swarm",
 )

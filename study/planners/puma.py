@@ -8,8 +8,9 @@ PUMA560 paper, Section 3.3.
 from __future__ import annotations
 
 from study.planners.segment_times import SegmentTimePlanner
+from study.search.bounds import BoundsRule
 from study.search.chaotic_spso import ChaoticSPSO
-from study.search.pso import VelocityUpdate
+from study.search.pso import ClampUnit, VelocityUpdate
 
 _SEARCH = ChaoticSPSO(
     inertia=(0.9, 0.4),  # ours: Section 3.3.2 names w_max and w_min, no values
@@ -17,7 +18,7 @@ _SEARCH = ChaoticSPSO(
     stage=0.6,  # Section 3.3.2
     cognitive=(2.5, 0.5),  # Section 3.3.2: c1 start, end
     social=(0.5, 2.5),  # Section 3.3.2: c2 start, end
-    velocity=VelocityUpdate(clamp=0.2, unit="share", bounds="clip"),  # ours
+    velocity=VelocityUpdate(clamp=0.2, unit=ClampUnit.SHARE, bounds=BoundsRule.CLIP),  # ours
 )
 
 CHAOTIC_SPSO = SegmentTimePlanner(

@@ -1,4 +1,4 @@
-"""The whole method of the PUMA560 paper, from boxes to a timed motion, and the check that it leaves out.
+"""Pathfinding and timing pipeline of the PUMA560 paper, from boxes to a timed motion, with collision checks.
 
 A tree finds a path of the tool among boxes; four of its nodes become waypoints by inverse kinematics; chaotic PSO times
 the 3-5-3 curve through them. The paper checks the tree's segments only. Here the tool along the final curve, and
@@ -34,7 +34,7 @@ METHODS = ("rrt", "rrt with shortcuts", "rrt-connect with shortcuts")
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Where the 1000-unit world stands in the arm's workspace; all of it ours.
+    """Placement of the 1000-unit world in the arm's workspace; all of it ours.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """One run of the pipeline.
+    """Result of one run of the pipeline.
 
     Attributes
     ----------
@@ -161,7 +161,7 @@ def _problem(robot: Robot, points: Floats) -> Problem:
 
 
 def _nearest_branches(robot: Robot, solutions: Floats) -> Floats:
-    """Pick one solution per pose: first an elbow that is up, then always the nearest, by the sparrow paper's Eq. (1)."""
+    """One solution per pose: first with the elbow up, then always the nearest, by the sparrow paper's Eq. (1)."""
     first = solutions[0][~np.isnan(solutions[0]).any(axis=1)]
     elbows = robot.frames(first)[:, 2, 2, 3].round(9)
     chosen = [first[np.lexsort((np.abs(first).sum(axis=1), -elbows))[0]]]

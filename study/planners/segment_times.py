@@ -1,4 +1,4 @@
-"""The planner that every paper's method is: search for segment durations on a curve family."""
+"""Segment-time planner: a search for the segment durations of a curve, as in every paper."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from study.formulation import objective_of
 from study.planning import RATE_LIMITS, Freedom, Meter, Plan, RunSettings, Status, Synchronisation
 from study.problem import Demand, Floats, Problem
 from study.search.loop import minimise
+from study.search.reading import PaperReading
 from study.search.state import Box, Search
 
 Drive = Callable[[Meter, Box, int, np.random.Generator], object]
@@ -23,7 +24,7 @@ Drive = Callable[[Meter, Box, int, np.random.Generator], object]
 
 @dataclass(frozen=True)
 class SegmentTimePlanner:
-    """Minimise total time over segment durations with a search.
+    """Segment-time planner with a search of this study.
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ class SegmentTimePlanner:
     def as_printed(self, **constants: Any) -> SegmentTimePlanner:
         """Take the paper's formulas exactly as printed, with these constants of the search set anew."""
         search: Any = self.search  # a frozen dataclass, which its protocol does not say
-        search = replace(search, reading="as-printed", **constants)
+        search = replace(search, reading=PaperReading.AS_PRINTED, **constants)
         return replace(self, search=search, about=self.about + "; its formulas exactly as printed, misprints included")
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
@@ -66,7 +67,7 @@ class SegmentTimePlanner:
 
 
 def plan_segment_times(drive: Drive, problem: Problem, settings: RunSettings) -> Plan:
-    """Let something spend the budget on the problem's durations, all joints together or each alone.
+    """Spend the budget on the segment durations of a problem, all joints together or each alone.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ def plan_segment_times(drive: Drive, problem: Problem, settings: RunSettings) ->
     streams = np.random.SeedSequence(settings.seed).spawn(len(parts))
     runs = [_search(drive, part, settings, stream) for part, stream in zip(parts, streams, strict=True)]
     evaluations = sum(run.evaluations for run in runs)
-    if not all(run.found for run in runs):
+    if not all(run.has_motion for run in runs):
         return Plan(Status.FAILED, evaluations=evaluations, message="no candidate of the budget gave a motion")
     durations = np.max([run.durations[-1] for run in runs], axis=0)
     return Plan(
@@ -101,7 +102,7 @@ def plan_segment_times(drive: Drive, problem: Problem, settings: RunSettings) ->
 class _Run:
     """One search: evaluations in all, and after every generation the incumbent's value and the durations to drive."""
 
-    found: bool
+    has_motion: bool
     evaluations: int
     counts: Floats
     values: Floats
@@ -125,8 +126,7 @@ def _search(drive: Drive, problem: Problem, settings: RunSettings, stream: np.ra
     box = Box(*(np.full(problem.n_segments, bound) for bound in problem.duration_bounds))
     drive(meter, box, settings.population, np.random.default_rng(stream))
     counts, values = meter.history.T
-    found = meter.incumbent is not None
-    return _Run(found, meter.evaluations, counts, values, objective.durations(meter.incumbents))
+    return _Run(meter.incumbent is not None, meter.evaluations, counts, values, objective.durations(meter.incumbents))
 
 
 def _synchronised_history(runs: list[_Run]) -> Floats:

@@ -8,13 +8,13 @@ Improved sparrow paper, Section 5, Table 5; the shares of producers and scouts a
 from __future__ import annotations
 
 from study.planners.segment_times import SegmentTimePlanner
-from study.search.ssa import SSA
+from study.search.ssa import SSA, Start
 
 SSA_PLANNER = SegmentTimePlanner(SSA(), "sparrow search")
-T_SSA = SegmentTimePlanner(SSA(start="tent"), "sparrow search with a chaotic start")
+T_SSA = SegmentTimePlanner(SSA(start=Start.TENT), "sparrow search with a chaotic start")
 ADF_SSA = SegmentTimePlanner(SSA(adaptive_beta=True, adaptive_k=True), "sparrow search with adaptive steps")
 TADF_SSA = SegmentTimePlanner(
-    SSA(start="tent", adaptive_beta=True, adaptive_k=True),
+    SSA(start=Start.TENT, adaptive_beta=True, adaptive_k=True),
     "sparrow search with a chaotic start and adaptive steps, of the improved sparrow paper",
 )
 

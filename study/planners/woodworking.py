@@ -10,10 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from study.planners.segment_times import SegmentTimePlanner
+from study.search.bounds import BoundsRule
 from study.search.cfpso import CFPSO
 from study.search.gold_sa import GoldSA
 from study.search.golds_pso import GoldSPSO
-from study.search.pso import PSO, VelocityUpdate
+from study.search.pso import PSO, ClampUnit, VelocityUpdate
 from study.search.simple_pso import SimplePSO
 
 _GOLDS_PSO = GoldSPSO(
@@ -21,9 +22,9 @@ _GOLDS_PSO = GoldSPSO(
     cognitive=2.0,  # ours
     social=2.0,  # ours
     acceleration=0.5,  # ours: lambda of eq. (30)
-    bounds="clip",  # Section 2.4.3, Step 5
+    bounds=BoundsRule.CLIP,  # Section 2.4.3, Step 5
 )
-_GOLD_SA = GoldSA(interval=(-np.pi, np.pi), bounds="clip")  # Section 2.4.3: initial a and b
+_GOLD_SA = GoldSA(interval=(-np.pi, np.pi), bounds=BoundsRule.CLIP)  # Section 2.4.3: initial a and b
 
 GOLDS_PSO = SegmentTimePlanner(
     _GOLDS_PSO, "particle swarm without velocities, with a golden sine step, of the woodworking paper"
@@ -38,7 +39,7 @@ PSO_BASIC = SegmentTimePlanner(
         cognitive=1.49445,  # ours: not printed, explains Table 3
         social=1.49445,
         velocity=VelocityUpdate(
-            clamp=3.0, unit="absolute", bounds="clip"
+            clamp=3.0, unit=ClampUnit.ABSOLUTE, bounds=BoundsRule.CLIP
         ),  # clamp ours (explains Table 3), box from Section 3.2
     ),
     "particle swarm with constant weights, as the woodworking paper describes the basic one",
@@ -47,11 +48,15 @@ CF_PSO = SegmentTimePlanner(
     CFPSO(
         cognitive=2.05,  # Clerc and Kennedy 2002
         social=2.05,
-        velocity=VelocityUpdate(clamp=0.5, unit="share", bounds="clip"),  # Eberhart and Shi 2000; bounds rule ours
+        velocity=VelocityUpdate(
+            clamp=0.5, unit=ClampUnit.SHARE, bounds=BoundsRule.CLIP
+        ),  # Eberhart and Shi 2000; bounds rule ours
     ),
     "particle swarm with a constriction factor",
 )
 SIMPLE_PSO = SegmentTimePlanner(
-    SimplePSO(inertia=(0.9, 0.4), cognitive=2.0, social=2.0, bounds="clip"),  # eq. (22); values after Hu and Li 2007
+    SimplePSO(
+        inertia=(0.9, 0.4), cognitive=2.0, social=2.0, bounds=BoundsRule.CLIP
+    ),  # eq. (22); values after Hu and Li 2007
     "particle swarm without velocities",
 )

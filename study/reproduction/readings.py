@@ -10,13 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from study.search.bounds import BoundsRule
 from study.search.cfpso import CFPSO
 from study.search.chaotic_spso import ChaoticSPSO
 from study.search.de import DE
 from study.search.gold_sa import GoldSA
 from study.search.golds_pso import GoldSPSO
 from study.search.gsa import GSA
-from study.search.pso import PSO, VelocityUpdate
+from study.search.pso import PSO, ClampUnit, VelocityUpdate
+from study.search.reading import PaperReading
 from study.search.sca import SCA
 from study.search.simple_pso import SimplePSO
 from study.search.sma import SMA
@@ -44,7 +46,7 @@ class Reading:
 
 
 def _basic_pso(clamp: float) -> PSO:
-    return PSO((1.0, 1.0), 1.49445, 1.49445, VelocityUpdate(clamp, "absolute", "free"))
+    return PSO((1.0, 1.0), 1.49445, 1.49445, VelocityUpdate(clamp, ClampUnit.ABSOLUTE, BoundsRule.FREE))
 
 
 TEXTBOOK = Reading("standard", PSO(), "textbook: w 0.9 to 0.4, c = 2, clamp 0.2 of the box, clipped")
@@ -60,7 +62,7 @@ READINGS: dict[str, dict[str, tuple[Reading, ...]]] = {
         "CFPSO": (
             Reading(
                 "factor on inertia only",
-                CFPSO(inertia_only=True, velocity=VelocityUpdate(3.0, "absolute", "clip")),
+                CFPSO(inertia_only=True, velocity=VelocityUpdate(3.0, ClampUnit.ABSOLUTE)),
                 "0.7298 on the old velocity alone, c = 2.05, absolute clamp 3: ours, nothing is printed",
             ),
             Reading("standard", CFPSO(), "Clerc and Kennedy: the factor on the whole velocity"),
@@ -71,11 +73,13 @@ READINGS: dict[str, dict[str, tuple[Reading, ...]]] = {
         ),
         "Gold-SA": (
             Reading("standard", GoldSA(), "x1 and x2 step after every evaluation, as in the original"),
-            Reading("as printed", GoldSA(reading="as-printed"), "x1 and x2 keep the values of Eqs. (26), (27)"),
+            Reading(
+                "as printed", GoldSA(reading=PaperReading.AS_PRINTED), "x1 and x2 keep the values of Eqs. (26), (27)"
+            ),
         ),
         "GoldS-PSO": (
             Reading("standard", GoldSPSO(), "Eq. (30) with lambda = 0.5, w 0.9 to 0.4, c = 2: ours"),
-            Reading("as printed", GoldSPSO(reading="as-printed"), "the same, x1 and x2 fixed"),
+            Reading("as printed", GoldSPSO(reading=PaperReading.AS_PRINTED), "the same, x1 and x2 fixed"),
         ),
     },
     "ur5-smwoa": {
@@ -86,7 +90,7 @@ READINGS: dict[str, dict[str, tuple[Reading, ...]]] = {
                 "Eqs. (12)-(15) with SMA's restart and shrinking",
             ),
             Reading("standard", SMWOA(), "Eqs. (12)-(15) alone, D'' with a random whale"),
-            Reading("as printed", SMWOA(reading="as-printed"), "Eq. (15) to the letter: D'' repeats D'"),
+            Reading("as printed", SMWOA(reading=PaperReading.AS_PRINTED), "Eq. (15) to the letter: D'' repeats D'"),
         ),
         "WOA": (Reading("standard", WOA(), "Eqs. (1)-(7), one A and C for each whale, b = 1"),),
         "PSO": (TEXTBOOK,),
@@ -97,7 +101,7 @@ READINGS: dict[str, dict[str, tuple[Reading, ...]]] = {
         ),
         "SMA": (
             Reading("standard", SMA(), "Eqs. (8)-(11) as in the algorithm's own paper"),
-            Reading("as printed", SMA(reading="as-printed"), "Eq. (8) to the letter"),
+            Reading("as printed", SMA(reading=PaperReading.AS_PRINTED), "Eq. (8) to the letter"),
         ),
     },
     "puma560-chaotic-spso": {
@@ -109,7 +113,9 @@ READINGS: dict[str, dict[str, tuple[Reading, ...]]] = {
         ),
         "SPSO": (
             Reading("standard", ChaoticSPSO(), "w falls from 0.9 to 0.4: ours; chaotic start and c1, c2 as printed"),
-            Reading("as printed", ChaoticSPSO(reading="as-printed"), "the two branches of the printed inertia"),
+            Reading(
+                "as printed", ChaoticSPSO(reading=PaperReading.AS_PRINTED), "the two branches of the printed inertia"
+            ),
         ),
     },
 }

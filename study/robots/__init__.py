@@ -1,4 +1,4 @@
-"""The papers' arms: chains, forward and inverse kinematics."""
+"""Robot arms of the papers and of files: chains, forward and inverse kinematics."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def robot_names() -> list[str]:
 
 @cache
 def robot_named(name: str, joints: tuple[str, ...] = ()) -> Robot:
-    """Look an arm up by name, or read it from a file of one's own.
+    """Arm of a name, or read from a file of one's own.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def robot_named(name: str, joints: tuple[str, ...] = ()) -> Robot:
 
 
 def inverse(robot: Robot, poses: ArrayLike, branch: tuple[int, int, int] | None = None) -> Floats:
-    """Find the configurations that put the arm's last frame at given poses.
+    """Inverse kinematics: configurations that put the arm's last frame at given poses.
 
     Parameters
     ----------
@@ -115,8 +115,8 @@ def inverse(robot: Robot, poses: ArrayLike, branch: tuple[int, int, int] | None 
 
 def _reached(robot: Robot, solutions: Floats, targets: Floats) -> np.ndarray:
     poses, branches, joints = solutions.shape
-    found = robot.forward(np.nan_to_num(solutions).reshape(-1, joints)).reshape(poses, branches, 4, 4)
-    close = np.abs(found - targets[:, None]).max(axis=(2, 3)) < _CLOSE
+    reached = robot.forward(np.nan_to_num(solutions).reshape(-1, joints)).reshape(poses, branches, 4, 4)
+    close = np.abs(reached - targets[:, None]).max(axis=(2, 3)) < _CLOSE
     return close & ~np.isnan(solutions).any(axis=2)
 
 

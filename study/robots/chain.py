@@ -1,4 +1,4 @@
-"""A chain of joints given by Denavit-Hartenberg parameters, and where its frames stand."""
+"""Serial chain with Denavit-Hartenberg parameters, and its forward kinematics."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from study.problem import Floats
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A serial arm.
+    """Serial arm with Denavit-Hartenberg parameters.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Robot:
         return len(self.a)
 
     def frames(self, q: ArrayLike) -> Floats:
-        """Place the base frame and every link's frame.
+        """Forward kinematics of the base frame and every link's frame.
 
         Parameters
         ----------
@@ -81,7 +81,7 @@ class Robot:
         return frames
 
     def forward(self, q: ArrayLike) -> Floats:
-        """Place the last frame: transforms of shape (n, 4, 4), lengths in m."""
+        """Forward kinematics of the last frame: transforms of shape (n, 4, 4), lengths in m."""
         return self.frames(q)[:, -1]
 
     def _steps(self, q: Floats) -> Floats:

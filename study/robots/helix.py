@@ -32,7 +32,8 @@ def helix_points(n_points: int = 20) -> Floats:
 def helix_configurations(robot: Robot, n_points: int = 20) -> Floats:
     """Take the helix into joint space: shape (n_points, 6), rad.
 
-    The printed positions are those of frame 5: the paper leaves the last offset d6 out, so it is added to the poses here.
+    The printed positions are those of frame 5: the paper leaves the last offset d6 out, so it is added to the poses
+    here.
 
     References
     ----------

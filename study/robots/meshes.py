@@ -1,4 +1,4 @@
-"""Where the meshes are that a URDF file names, and how each of them moves with the arm."""
+"""Mesh files of a URDF file, and the frames that carry them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PACKAGES = ("package://", "model://")
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A mesh that moves with one of an arm's frames.
+    """Mesh that moves with one of an arm's frames.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Shape:
 
 
 def shapes_of(urdf: Urdf, names: Sequence[str], file: Path) -> tuple[Shape, ...]:
-    """Find all meshes of an arm and what each of them is fixed to; joints that are not named stand at zero.
+    """Meshes of an arm, each with the frame that carries it; joints that are not named stand at zero.
 
     Parameters
     ----------
@@ -64,20 +64,20 @@ def _shape(urdf: Urdf, mesh: UrdfMesh, names: Sequence[str], file: Path) -> Shap
         place = place @ joint.origin
         if joint.name in names:
             frame, place = list(names).index(joint.name) + 1, np.eye(4)
-    return Shape(frame, place @ mesh.origin, mesh.scale, _found(mesh.file, file))
+    return Shape(frame, place @ mesh.origin, mesh.scale, _mesh_file(mesh.file, file))
 
 
-def _found(name: str, file: Path) -> Path:
-    """The mesh file of a name: beside the URDF file, or in a package that one of the folders above it holds or is."""
+def _mesh_file(name: str, file: Path) -> Path:
+    """Mesh file of a name: beside the URDF file, or in a package that one of the folders above it holds or is."""
     if Path(name).suffix.lower() not in KINDS:
         raise StudyError(f"{name!r} is no mesh that the viewer can show, which are {', '.join(KINDS)}")
-    folder, package = file.resolve().parent, next((one for one in _PACKAGES if name.startswith(one)), None)
+    folder, package = file.resolve().parent, next((prefix for prefix in _PACKAGES if name.startswith(prefix)), None)
     if package is None:
         places = [folder / unquote(name.removeprefix("file://"))] if name.startswith("file://") else [folder / name]
     else:
         first, _, rest = name.removeprefix(package).partition("/")
         above = [folder, *folder.parents]
-        places = [one / first / rest for one in above] + [one / rest for one in above if one.name == first]
+        places = [up / first / rest for up in above] + [up / rest for up in above if up.name == first]
     for place in places:
         try:
             if place.is_file():

@@ -1,4 +1,4 @@
-"""An arm read from a URDF file, with the same frames as an arm given by Denavit-Hartenberg parameters."""
+"""Arm read from a URDF file, with the same frames as an arm given by Denavit-Hartenberg parameters."""
 
 from __future__ import annotations
 
@@ -58,8 +58,8 @@ def urdf_robot(path: Path, names: Sequence[str] = ()) -> UrdfRobot:
     ----------
     path : Path
     names : sequence of str, optional
-        Joints that move, from the base on; all moving ones if it is empty or holds strangers. Others on the way stand at
-        zero.
+        Joints that move, from the base on; all moving ones if it is empty or holds strangers. Others on the way stand
+        at zero.
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""Ask/tell metaheuristics, one file each, and the one loop that drives them."""
+"""Metaheuristics with the ask-and-tell interface, one file each, and the loop that runs them."""

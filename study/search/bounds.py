@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from study.errors import unknown
+from study.choices import Choice
 from study.problem import Floats
 from study.search.state import Box
 
@@ -53,20 +53,29 @@ def free(box: Box, positions: Floats, velocities: Floats) -> Moved:
     return positions, velocities
 
 
-RULES: dict[str, Callable[[Box, Floats, Floats], Moved]] = {
-    "clip": clip,
-    "stop": stop,
-    "reflect": reflect,
-    "free": free,
+class BoundsRule(Choice):
+    """Bounds rule of a search; every search names its rule, and the rule is recorded."""
+
+    CLIP = "clip"
+    STOP = "stop"
+    REFLECT = "reflect"
+    FREE = "free"
+
+
+_RULES: dict[str, Callable[[Box, Floats, Floats], Moved]] = {
+    BoundsRule.CLIP: clip,
+    BoundsRule.STOP: stop,
+    BoundsRule.REFLECT: reflect,
+    BoundsRule.FREE: free,
 }
 
 
-def bounded(rule: str, box: Box, positions: Floats, velocities: Floats) -> Moved:
-    """Apply a rule by name.
+def bounded(rule: BoundsRule, box: Box, positions: Floats, velocities: Floats) -> Moved:
+    """Apply a bounds rule to positions and velocities.
 
     Parameters
     ----------
-    rule : str
+    rule : BoundsRule
     box : Box
     positions : array of shape (n_candidates, n_dimensions)
     velocities : array of the same shape
@@ -77,11 +86,9 @@ def bounded(rule: str, box: Box, positions: Floats, velocities: Floats) -> Moved
     StudyError
         If there is no such rule.
     """
-    if rule not in RULES:
-        raise unknown("bounds rule", rule, RULES)
-    return RULES[rule](box, positions, velocities)
+    return _RULES[BoundsRule(rule)](box, positions, velocities)
 
 
-def brought_back(rule: str, box: Box, positions: Floats) -> Floats:
-    """Apply a rule by name to candidates without velocities, as `bounded` does to others."""
+def bounded_positions(rule: BoundsRule, box: Box, positions: Floats) -> Floats:
+    """Apply a bounds rule to candidates without velocities."""
     return bounded(rule, box, positions, positions)[0]

@@ -1,4 +1,4 @@
-"""PSO with a constriction factor (CFPSO).
+"""Particle swarm with a constriction factor (CFPSO).
 
 References
 ----------
@@ -21,7 +21,7 @@ VELOCITY = VelocityUpdate(clamp=0.5)
 
 
 def constriction(phi: float) -> float:
-    """Factor chi for phi = c1 + c2 > 4 (Clerc and Kennedy 2002): 0.7298 for phi = 4.1."""
+    """Constriction factor chi for phi = c1 + c2 > 4 (Clerc and Kennedy 2002): 0.7298 for phi = 4.1."""
     return 2.0 / abs(2.0 - phi - np.sqrt(phi * phi - 4.0 * phi))
 
 
@@ -38,7 +38,7 @@ class CFPSO(BatchedSearch[SwarmState]):
         Table 3 (with an absolute clamp of 3).
     velocity : VelocityUpdate
         Clamp and bounds rule; half the box's width after Eberhart and Shi 2000, `clip` is ours. Without a clamp, `clip`
-        traps coordinates on the walls of a 30-dimensional box.
+        traps coordinates on the bounds of a 30-dimensional box.
 
     Raises
     ------

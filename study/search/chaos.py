@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.choices import Choice
 from study.errors import unknown
 from study.problem import Floats
 from study.search.state import Box
 
-DIRECTIONS = ("dimensions", "population")
 N_BINS = 10
 
 
@@ -51,21 +51,21 @@ def sine_tent_cosine(x: Floats, r: float = 0.7) -> Floats:
 
 @dataclass(frozen=True)
 class ChaosMap:
-    """A map of [0, 1] to itself.
+    """Chaotic map of [0, 1] to itself.
 
     Attributes
     ----------
     step : callable array -> array
     perturbed : bool
-        Add a random number in [0, 1) divided by the sequence's length after each step, and wrap into [0, 1); this is how
-        the sparrow paper, Eq. (17), keeps the tent map alive.
+        Add a random number in [0, 1) divided by the sequence's length after each step, and wrap into [0, 1); this is
+        how the sparrow paper, Eq. (17), keeps the tent map alive.
     """
 
     step: Callable[[Floats], Floats]
     perturbed: bool = False
 
     def sequences(self, start: Floats, length: int, rng: np.random.Generator) -> Floats:
-        """Iterate independent sequences side by side.
+        """Iterate independent sequences.
 
         Parameters
         ----------
@@ -99,10 +99,23 @@ MAPS: dict[str, ChaosMap] = {
 
 
 def map_named(name: str) -> ChaosMap:
-    """Look a map up, or say which there are."""
+    """Chaotic map of a name.
+
+    Raises
+    ------
+    StudyError
+        If there is no such map.
+    """
     if name not in MAPS:
         raise unknown("chaotic map", name, MAPS)
     return MAPS[name]
+
+
+class Direction(Choice):
+    """Direction of the chaotic sequences in an initial population."""
+
+    DIMENSIONS = "dimensions"
+    POPULATION = "population"
 
 
 def chaotic_population(
@@ -110,7 +123,7 @@ def chaotic_population(
     box: Box,
     population: int,
     rng: np.random.Generator,
-    along: str = "population",
+    along: Direction = Direction.POPULATION,
     rescale: bool = False,
 ) -> Floats:
     """Spread an initial population by chaotic sequences that start at random numbers.
@@ -121,12 +134,12 @@ def chaotic_population(
     box : Box
     population : int
     rng : numpy.random.Generator
-    along : str
+    along : Direction
         `population`: one sequence per dimension, each candidate one step (woodworking and PUMA560 papers).
         `dimensions`: one sequence per candidate, each dimension one step (sparrow paper).
     rescale : bool
-        Stretch every sequence so that its least number becomes 0 and its greatest 1, one way to read the x_min and x_max
-        of the sparrow paper's Eq. (17).
+        Stretch every sequence so that its least number becomes 0 and its greatest 1, one way to read the x_min and
+        x_max of the sparrow paper's Eq. (17).
 
     Returns
     -------
@@ -135,20 +148,19 @@ def chaotic_population(
     Raises
     ------
     StudyError
-        If `along` is neither.
+        If there is no such direction.
     """
-    if along not in DIRECTIONS:
-        raise unknown("direction of a chaotic sequence", along, DIRECTIONS)
     shape = population, len(box.lower)
-    length, n_sequences = shape if along == "population" else shape[::-1]
+    along = Direction(along)
+    length, n_sequences = shape if along is Direction.POPULATION else shape[::-1]
     numbers = chaos.sequences(rng.random(n_sequences), length, rng)
     if rescale:
         numbers = rescaled(numbers)
-    return box.at(numbers if along == "population" else numbers.T)
+    return box.at(numbers if along is Direction.POPULATION else numbers.T)
 
 
 def rescaled(numbers: Floats) -> Floats:
-    """Stretch sequences, shape (length, n_sequences), to fill [0, 1]; one that never changes becomes 0."""
+    """Stretch sequences, shape (length, n_sequences), to fill [0, 1]; a constant sequence becomes 0."""
     least = numbers.min(axis=0)
     spread = numbers.max(axis=0) - least
     return (numbers - least) / np.where(spread > 0, spread, 1.0)

@@ -1,6 +1,6 @@
-"""Chaotic SPSO: a sine-tent-cosine start, a two-stage inertia and asynchronous learning factors.
+"""Chaotic particle swarm, the PUMA560 paper's SPSO: chaotic start, two-stage inertia, asynchronous learning factors.
 
-The SPSO of the PUMA560 paper, not the velocity-free one of the woodworking paper. As printed the inertia is below 1e-6
+Not the velocity-free SPSO of the woodworking paper. As printed the inertia is below 1e-6
 from the first move until 60 % of the generations are over, then it jumps to about 0.5; the text says that it decreases.
 With a uniform start, fixed learning factors and the `standard` reading what remains is `PSO`, candidate by candidate.
 
@@ -15,11 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.choices import convert
 from study.problem import Floats
 from study.search.batched_rng import Rng
 from study.search.chaos import MAPS, chaotic_population
 from study.search.pso import Scalars, SwarmState, VelocityUpdate, linear, moved_swarm, swarm_at_rest
-from study.search.reading import is_printed
+from study.search.reading import PaperReading
 from study.search.state import BatchedSearch, Box, uniform_population
 
 VELOCITY = VelocityUpdate()
@@ -47,7 +48,7 @@ class ChaoticSPSO(BatchedSearch[SwarmState]):
         Learning factor without asynchrony. Ours: the textbook's 2.
     velocity : VelocityUpdate
         Clamp and bounds rule. Ours: the paper prints neither.
-    reading : str
+    reading : PaperReading
         `standard`: the inertia falls linearly from w_max to w_min. `as-printed`: the two branches.
 
     Raises
@@ -65,10 +66,10 @@ class ChaoticSPSO(BatchedSearch[SwarmState]):
     asynchronous: bool = True
     fixed: float = 2.0
     velocity: VelocityUpdate = VELOCITY
-    reading: str = "standard"
+    reading: PaperReading = PaperReading.STANDARD
 
     def __post_init__(self) -> None:
-        is_printed(self.reading)
+        convert(self, reading=PaperReading)
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
         """Spread particles by the map, or uniformly; at rest."""
@@ -88,7 +89,7 @@ class ChaoticSPSO(BatchedSearch[SwarmState]):
     def ask(self, state: SwarmState, rng: Rng) -> SwarmState:
         """Move every particle, Section 3.2."""
         w: Scalars
-        if is_printed(self.reading):
+        if self.reading is PaperReading.AS_PRINTED:
             w = self.printed_inertia(state.generation, state.generations, rng)
         else:
             w = linear(self.inertia, state.progress)

@@ -1,4 +1,4 @@
-"""CMA-ES of the package `cmaes`, asked and told like every other search.
+"""CMA-ES (covariance matrix adaptation evolution strategy) of the package `cmaes`.
 
 References
 ----------
@@ -38,7 +38,7 @@ class CMAState(State):
 
 @dataclass(frozen=True)
 class CMAES:
-    """Sample a normal distribution and adapt its mean, covariance and width; start again where it has shrunk away.
+    """CMA-ES: adapts a normal distribution of candidates; restarts where the distribution has shrunk away.
 
     Attributes
     ----------

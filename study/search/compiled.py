@@ -1,7 +1,7 @@
 """Compiled variants of searches, with the same bits as NumPy; importing this file imports numba.
 
-Only for steps in which NumPy is slow: many small arrays, and more numbers than the cache holds. `study.code_digest` leaves
-this file out, because the same bits make the same results.
+Only for steps in which NumPy is slow: many small arrays, and more numbers than the cache holds. `study.code_digest`
+leaves this file out, because the same bits make the same results.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 from study.curves.compiled.kernels import exact
 from study.problem import Floats
-from study.search.bounds import Moved, population_bounds
+from study.search.bounds import BoundsRule, Moved, population_bounds
 from study.search.gsa import GSA
 from study.search.population import PopulationState
 from study.search.pso import SwarmState, VelocityUpdate, Weights, velocity_bounds
@@ -38,7 +38,7 @@ class CompiledVelocityUpdate(VelocityUpdate):
     def moved(self, state: SwarmState, weights: Weights, draws: Floats) -> Moved:
         """See `study.search.pso.VelocityUpdate.moved`."""
         x = state.candidates
-        if x.ndim > 2 or self.bounds != "clip":
+        if x.ndim > 2 or self.bounds != BoundsRule.CLIP:
             return super().moved(state, weights, draws)
         swarm = x, state.velocities, state.own_best, state.incumbent
         w, c1, c2 = weights
@@ -102,7 +102,7 @@ class CompiledSCA(SCA):
     def moved(self, state: PopulationState, swing: Floats, r3: Floats) -> Floats:
         """See `study.search.sca.SCA.moved`."""
         x = state.members
-        if x.ndim > 2 or self.bounds != "clip":
+        if x.ndim > 2 or self.bounds != BoundsRule.CLIP:
             return super().moved(state, swing, r3)
         moved = np.empty(x.shape)
         _swing(x, state.incumbent, swing, r3, population_bounds(state.box, x.shape), moved)

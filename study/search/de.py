@@ -1,4 +1,4 @@
-"""Differential evolution, rand/1/bin.
+"""Differential evolution (DE), rand/1/bin.
 
 References
 ----------
@@ -15,7 +15,7 @@ import numpy as np
 from study.errors import StudyError
 from study.problem import Floats
 from study.search.batched_rng import Rng, members_at
-from study.search.bounds import brought_back
+from study.search.bounds import BoundsRule, bounded_positions
 from study.search.population import PopulationState, check_share, spread_population
 from study.search.state import BatchedSearch, Box, evolved
 
@@ -24,7 +24,7 @@ SMALLEST_POPULATION = 4
 
 @dataclass(frozen=True)
 class DE(BatchedSearch[PopulationState]):
-    """Mutate by the difference of two random members, cross over with the parent, keep the better.
+    """Differential evolution: mutate by the difference of two members, cross over with the parent, keep the better.
 
     Attributes
     ----------
@@ -32,13 +32,13 @@ class DE(BatchedSearch[PopulationState]):
         Differential weight F; ours, the paper gives none.
     crossover : float
         Crossover rate CR; ours, the paper gives none.
-    bounds : str
+    bounds : BoundsRule
         A rule of `study.search.bounds`; ours.
     """
 
     factor: float = 0.5
     crossover: float = 0.9
-    bounds: str = "clip"
+    bounds: BoundsRule = BoundsRule.CLIP
 
     def __post_init__(self) -> None:
         check_share("DE", "crossover", self.crossover)
@@ -66,7 +66,7 @@ class DE(BatchedSearch[PopulationState]):
         mutant = a + self.factor * (b - c)
         crossed = rng.random((n, d)) < self.crossover
         crossed |= rng.integers(d, size=(n, 1)) == np.arange(d)
-        return evolved(state, candidates=brought_back(self.bounds, state.box, np.where(crossed, mutant, x)))
+        return evolved(state, candidates=bounded_positions(self.bounds, state.box, np.where(crossed, mutant, x)))
 
     def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
         """Keep each trial that is better than its parent."""
@@ -89,5 +89,5 @@ def three_others(n: int, rng: Rng) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def _others(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Every member's number, shape (n,), and how many members each draw has left to choose from, shape (3, n)."""
+    """Every member's number, shape (n,), and number of members left for each draw, shape (3, n)."""
     return np.arange(n), np.repeat([[n - 1], [n - 2], [n - 3]], n, axis=1)

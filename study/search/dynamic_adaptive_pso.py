@@ -1,4 +1,4 @@
-"""Dynamic adaptive PSO: inertia and learning factors that change with the generation.
+"""Dynamic adaptive particle swarm: inertia and learning factors that change with the generation.
 
 As printed the inertia *grows*, c1 is a constant (it holds 1/N where n/N must be meant), and the swarm starts above the
 box. The `standard` reading mends these three and nothing else.
@@ -14,13 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.choices import convert
 from study.problem import Floats
 from study.search.batched_rng import Rng
-from study.search.pso import SwarmState, VelocityUpdate, linear, moved_swarm, new_swarm
-from study.search.reading import is_printed
+from study.search.pso import ClampUnit, SwarmState, VelocityUpdate, linear, moved_swarm, new_swarm
+from study.search.reading import PaperReading
 from study.search.state import BatchedSearch, Box
 
-VELOCITY = VelocityUpdate(clamp=4.0, unit="absolute")  # Section 4.3
+VELOCITY = VelocityUpdate(clamp=4.0, unit=ClampUnit.ABSOLUTE)  # Section 4.3
 
 
 @dataclass(frozen=True)
@@ -37,9 +38,9 @@ class DynamicAdaptivePSO(BatchedSearch[SwarmState]):
         Eq. (15) draws one number per particle, so all start on a diagonal of the box; without it, one per coordinate.
     velocity : VelocityUpdate
         Velocities within [-4, 4] (Section 4.3), twice the width of the paper's box; the bounds rule is ours.
-    reading : str
-        `standard`: w falls, c1 falls from c_max to c_min, positions start inside the box. `as-printed`: w grows, c1 stays
-        next to c_min, positions start one width above the box.
+    reading : PaperReading
+        `standard`: w falls, c1 falls from c_max to c_min, positions start inside the box. `as-printed`: w grows, c1
+        stays next to c_min, positions start one width above the box.
 
     Raises
     ------
@@ -51,16 +52,16 @@ class DynamicAdaptivePSO(BatchedSearch[SwarmState]):
     learning: tuple[float, float] = (2.5, 1.5)
     one_number: bool = True
     velocity: VelocityUpdate = VELOCITY
-    reading: str = "standard"
+    reading: PaperReading = PaperReading.STANDARD
 
     def __post_init__(self) -> None:
-        is_printed(self.reading)
+        convert(self, reading=PaperReading)
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
         """Start as in Eq. (15), with velocities in [0, 1)."""
         dimensions = len(box.lower)
         fractions = rng.random((population, 1 if self.one_number else dimensions))
-        start = box.upper if is_printed(self.reading) else box.lower
+        start = box.upper if self.reading is PaperReading.AS_PRINTED else box.lower
         positions = start + fractions * box.width  # eq. (15)
         return new_swarm(box, positions, rng.random((population, dimensions)), generations)
 
@@ -70,7 +71,7 @@ class DynamicAdaptivePSO(BatchedSearch[SwarmState]):
         c_max, c_min = self.learning
         n, total = state.generation, state.generations
         c2 = c_min + (c_max - c_min) * np.sin(np.pi / 2 * n / total)  # eq. (14)
-        if is_printed(self.reading):
+        if self.reading is PaperReading.AS_PRINTED:
             c1 = c_max - (c_max - c_min) * np.sin(np.pi / 2 * (1 - 1 / total)) ** 2  # eq. (14), to the letter
             return linear((w_min, w_max), n / total), c1, c2  # eq. (13), to the letter
         c1 = c_max - (c_max - c_min) * np.sin(np.pi / 2 * n / total) ** 2

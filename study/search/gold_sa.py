@@ -17,9 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.choices import convert
 from study.problem import Floats
-from study.search.bounds import brought_back
-from study.search.reading import is_printed
+from study.search.bounds import BoundsRule, bounded_positions
+from study.search.reading import PaperReading
 from study.search.state import Box, State, evolved, uniform_population
 
 TAU = (math.sqrt(5.0) - 1.0) / 2.0  # eq. (28)
@@ -110,14 +111,14 @@ class GoldSA:
     ----------
     interval : tuple of two floats
         Initial a and b; the paper's Section 2.4.3.
-    reading : str
+    reading : PaperReading
         `standard`: x1 and x2 step after every evaluation (the original). `as-printed`: they keep the values of
         Eqs. (26), (27), since no update is printed.
     per_dimension : bool
         R1 and R2 per coordinate; per candidate in the original.
     linked : bool
         R2 = R1 / 2, as in the circulated original; the paper names two random numbers.
-    bounds : str
+    bounds : BoundsRule
         A rule of `study.search.bounds`; `clip` in the original.
 
     Raises
@@ -127,18 +128,18 @@ class GoldSA:
     """
 
     interval: tuple[float, float] = (-np.pi, np.pi)
-    reading: str = "standard"
+    reading: PaperReading = PaperReading.STANDARD
     per_dimension: bool = False
     linked: bool = False
-    bounds: str = "clip"
+    bounds: BoundsRule = BoundsRule.CLIP
 
     def __post_init__(self) -> None:
-        is_printed(self.reading)
+        convert(self, reading=PaperReading)
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> GoldState:
         """Spread candidates uniformly."""
         x = uniform_population(box, population, rng)
-        sections = Sections.printed if is_printed(self.reading) else Sections.of
+        sections = Sections.printed if self.reading is PaperReading.AS_PRINTED else Sections.of
         return GoldState(box, x, generations, 0, x[0], np.inf, sections(*self.interval))
 
     def ask(self, state: GoldState, rng: np.random.Generator) -> GoldState:
@@ -146,11 +147,11 @@ class GoldSA:
         x, p, s = state.candidates, state.incumbent, state.sections
         r1, r2 = golden_angles(x.shape, self.per_dimension, self.linked, rng)
         x = x * np.abs(np.sin(r1)) - r2 * np.sin(r1) * np.abs(s.x1 * p - s.x2 * x)  # eq. (25)
-        return evolved(state, candidates=brought_back(self.bounds, state.box, x))
+        return evolved(state, candidates=bounded_positions(self.bounds, state.box, x))
 
     def tell(self, state: GoldState, values: Floats, rng: np.random.Generator) -> GoldState:
         """Remember the best and step the golden sections."""
-        sections = state.sections if is_printed(self.reading) else state.stepped(values, rng)
+        sections = state.sections if self.reading is PaperReading.AS_PRINTED else state.stepped(values, rng)
         incumbent, value = state.improved(values)
         return evolved(
             state, incumbent=incumbent, incumbent_value=value, generation=state.generation + 1, sections=sections

@@ -1,4 +1,4 @@
-"""GoldS-PSO: simple PSO with a circle-map start, an S-curve inertia and the golden-sine update.
+"""Golden sine particle swarm (GoldS-PSO): simple PSO, circle-map start, S-curve inertia and golden-sine update.
 
 Each of the three can be switched off by itself; without them what remains is `SimplePSO`, candidate by candidate.
 
@@ -13,12 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.choices import convert
 from study.problem import Floats
-from study.search.bounds import brought_back
+from study.search.bounds import BoundsRule, bounded_positions
 from study.search.chaos import MAPS, chaotic_population
 from study.search.gold_sa import GoldState, Sections, golden_angles
 from study.search.pso import SwarmState, linear, swarm_at_rest
-from study.search.reading import is_printed
+from study.search.reading import PaperReading
 from study.search.simple_pso import contracted
 from study.search.state import Box, evolved, uniform_population
 
@@ -48,11 +49,11 @@ class GoldSPSO:
     circle_start, s_curve_inertia, golden_sine : bool
         The paper's three strategies: Sections 2.4.1, 2.4.2, 2.4.3. Without them the start is uniform, the inertia falls
         linearly, and positions follow Eq. (22).
-    reading : str
+    reading : PaperReading
         `standard`: x1 and x2 step after every evaluation as in Gold-SA. `as-printed`: they keep Eqs. (26), (27).
     per_dimension, linked : bool
         As in `GoldSA`.
-    bounds : str
+    bounds : BoundsRule
         A rule of `study.search.bounds`; `clip` is Step 5 of Section 2.4.3.
 
     Raises
@@ -68,13 +69,13 @@ class GoldSPSO:
     circle_start: bool = True
     s_curve_inertia: bool = True
     golden_sine: bool = True
-    reading: str = "standard"
+    reading: PaperReading = PaperReading.STANDARD
     per_dimension: bool = False
     linked: bool = False
-    bounds: str = "clip"
+    bounds: BoundsRule = BoundsRule.CLIP
 
     def __post_init__(self) -> None:
-        is_printed(self.reading)
+        convert(self, reading=PaperReading)
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> GoldenSwarmState:
         """Spread particles by the circle map, Eq. (23), or uniformly."""
@@ -82,7 +83,7 @@ class GoldSPSO:
             positions = chaotic_population(MAPS["circle"], box, population, rng)
         else:
             positions = uniform_population(box, population, rng)
-        sections = (Sections.printed if is_printed(self.reading) else Sections.of)(-np.pi, np.pi)
+        sections = (Sections.printed if self.reading is PaperReading.AS_PRINTED else Sections.of)(-np.pi, np.pi)
         swarm = swarm_at_rest(box, positions, generations)
         return GoldenSwarmState(**vars(swarm), sections=sections)
 
@@ -96,11 +97,11 @@ class GoldSPSO:
         own = c1 * np.abs(np.sin(r1)) * (state.own_best - x)
         pull = c2 * r2 * np.sin(r1) * np.abs(s.x1 * state.incumbent - s.x2 * x)
         x = self.acceleration * (w * x + own - pull)  # eq. (30)
-        return evolved(state, candidates=brought_back(self.bounds, state.box, x))
+        return evolved(state, candidates=bounded_positions(self.bounds, state.box, x))
 
     def tell(self, state: GoldenSwarmState, values: Floats, rng: np.random.Generator) -> GoldenSwarmState:
         """Remember what was better and step the golden sections."""
         sections = state.sections
-        if self.golden_sine and not is_printed(self.reading):
+        if self.golden_sine and self.reading is PaperReading.STANDARD:
             sections = state.stepped(values, rng)
         return evolved(state.remembered(values), sections=sections)

@@ -1,4 +1,4 @@
-"""Gravitational search algorithm.
+"""Gravitational search algorithm (GSA).
 
 References
 ----------
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.problem import Floats
-from study.search.bounds import bounded
+from study.search.bounds import BoundsRule, bounded
 from study.search.population import PopulationState, normalised_fitness, spread_population
 from study.search.state import Box, evolved
 
@@ -22,7 +22,7 @@ AT_ONCE = 32
 """Pullers taken together: the arrays for a hundred masses in five dimensions then stay in cache, 128 KB each."""
 
 WEIGHTS = 2.0**32
-"""Bound of the random weights; see `halves`."""
+"""Bound of the random weights; see `half_words`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class GravityState(PopulationState):
 
 @dataclass(frozen=True)
 class GSA:
-    """Masses attract one another, the better the heavier; fewer and fewer of them pull.
+    """Gravitational search: masses attract one another, the better the heavier; fewer and fewer of them pull.
 
     Attributes
     ----------
@@ -44,14 +44,14 @@ class GSA:
         Rate alpha of its decay; 20 in the algorithm's own paper.
     last_pullers : float
         Share of the population that still pulls in the end; 2 % in the circulated code.
-    bounds : str
+    bounds : BoundsRule
         A rule of `study.search.bounds`; ours.
     """
 
     gravity: float = 100.0
     decay: float = 20.0
     last_pullers: float = 0.02
-    bounds: str = "clip"
+    bounds: BoundsRule = BoundsRule.CLIP
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> GravityState:
         """Spread masses uniformly, at rest."""
@@ -79,9 +79,9 @@ class GSA:
         share = self.last_pullers + (1.0 - state.progress) * (1.0 - self.last_pullers)
         heavy = np.argsort(-masses, kind="stable")[: max(1, round(share * len(x)))]
         columns, pull = x.T.copy(), np.zeros(x.shape[::-1])
-        for some in (heavy[k : k + AT_ONCE] for k in range(0, len(heavy), AT_ONCE)):
-            weights = halves(rng, (len(some), *columns.shape))
-            pull += self.attraction(columns, x[some], masses[some] / WEIGHTS, weights)
+        for pullers in (heavy[k : k + AT_ONCE] for k in range(0, len(heavy), AT_ONCE)):
+            weights = half_words(rng, (len(pullers), *columns.shape))
+            pull += self.attraction(columns, x[pullers], masses[pullers] / WEIGHTS, weights)
         return pull.T
 
     @staticmethod
@@ -95,7 +95,7 @@ class GSA:
         pullers : array of shape (n_pullers, n_dimensions)
         masses : array of shape (n_pullers,)
         weights : array of shape (n_pullers, n_dimensions, n_candidates)
-            Random weight of every pull in every dimension, Eq. (9), in the unit that the masses make up for.
+            Uniform integers below 2^32, random weights of Eq. (9); `masses` are pre-divided by 2^32.
 
         Returns
         -------
@@ -108,8 +108,8 @@ class GSA:
         return pulls.sum(axis=0)
 
 
-def halves(rng: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
-    """Draw uniform whole numbers below 2^32, two from every number of the generator, which are most of the cost.
+def half_words(rng: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
+    """Uniform integers below 2^32, two from every 64-bit number of the generator, whose numbers are most of the cost.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The state of searches without velocities: a population and its values, replaced or improved generation by generation."""
+"""Population state of searches without velocities, and its replacement rules."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Self
 
 import numpy as np
 
-from study.errors import StudyError, unknown
+from study.errors import StudyError
 from study.problem import Floats
 from study.search.state import Box, State, evolved, uniform_population
 
 
 @dataclass(frozen=True, eq=False)
 class PopulationState(State):
-    """A search's state with the population that the next candidates come from.
+    """State with the population that the next candidates come from.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ def spread_population(box: Box, population: int, generations: int, rng: np.rando
 
 
 def normalised_fitness(values: Floats) -> Floats:
-    """Normalised fitness: place of each value between this generation's best, 0, and worst, 1; infinite values count as worst.
+    """Normalised fitness from the generation's best, 0, to its worst, 1; infinite values count as worst.
 
     Parameters
     ----------
@@ -87,18 +87,6 @@ def normalised_fitness(values: Floats) -> Floats:
             return np.ones(len(values))
         best, worst = finite.min(), finite.max()
     return np.minimum((values - best) / (worst - best), 1.0) if worst > best else np.where(values > best, 1.0, 0.0)
-
-
-def check_choice(search: str, field: str, value: str, known: tuple[str, ...]) -> None:
-    """Refuse a named option of a search that it does not have.
-
-    Raises
-    ------
-    StudyError
-        Naming the search, the option and what would do.
-    """
-    if value not in known:
-        raise unknown(f"{field} of {search}", value, known)
 
 
 def check_share(search: str, field: str, value: float) -> None:

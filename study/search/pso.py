@@ -13,13 +13,12 @@ from typing import Self
 
 import numpy as np
 
-from study.errors import unknown
+from study.choices import Choice, convert
 from study.problem import Floats
 from study.search.batched_rng import Rng
-from study.search.bounds import Moved, bounded
+from study.search.bounds import BoundsRule, Moved, bounded
 from study.search.state import BatchedSearch, Box, State, evolved, uniform_population
 
-CLAMPS = ("absolute", "share")
 Scalars = Floats | float
 """A number of one run, or of each of several batched runs, shape (n_runs, 1, 1)."""
 
@@ -72,13 +71,20 @@ def new_swarm(box: Box, positions: Floats, velocities: Floats, generations: int)
 
 
 def swarm_at_rest(box: Box, positions: Floats, generations: int) -> SwarmState:
-    """State of a swarm that starts without velocity."""
+    """State of a new swarm without velocity."""
     return new_swarm(box, positions, np.zeros_like(positions), generations)
 
 
 def linear(ends: tuple[float, float], progress: float) -> float:
-    """Go from one number to another in proportion to the progress of the search."""
+    """Linear schedule: from one number to another in proportion to the progress of the search."""
     return ends[0] + (ends[1] - ends[0]) * progress
+
+
+class ClampUnit(Choice):
+    """Unit of a velocity clamp: that of the positions, or a share of the box's width."""
+
+    ABSOLUTE = "absolute"
+    SHARE = "share"
 
 
 @dataclass(frozen=True)
@@ -89,9 +95,8 @@ class VelocityUpdate:
     ----------
     clamp : float
         Largest velocity per generation and coordinate; infinity for none.
-    unit : str
-        `share` takes the clamp as a share of the box's width, `absolute` in the unit of the positions.
-    bounds : str
+    unit : ClampUnit
+    bounds : BoundsRule
         A rule of `study.search.bounds`.
 
     Raises
@@ -101,12 +106,11 @@ class VelocityUpdate:
     """
 
     clamp: float = 0.2
-    unit: str = "share"
-    bounds: str = "clip"
+    unit: ClampUnit = ClampUnit.SHARE
+    bounds: BoundsRule = BoundsRule.CLIP
 
     def __post_init__(self) -> None:
-        if self.unit not in CLAMPS:
-            raise unknown("unit of a velocity clamp", self.unit, CLAMPS)
+        convert(self, unit=ClampUnit)
 
     def clamped(self, box: Box, velocities: Floats) -> Floats:
         """Cut velocities off at the clamp."""
@@ -137,7 +141,7 @@ class VelocityUpdate:
 @lru_cache(maxsize=8)
 def velocity_bounds(velocity: VelocityUpdate, box: Box, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
     """Least and greatest velocities repeated for a population of that shape, as `population_bounds`."""
-    limit = np.broadcast_to(velocity.clamp * box.width if velocity.unit == "share" else velocity.clamp, shape)
+    limit = np.broadcast_to(velocity.clamp * box.width if velocity.unit is ClampUnit.SHARE else velocity.clamp, shape)
     return -limit, limit.copy()
 
 

@@ -13,7 +13,7 @@ from study.search.state import BatchedSearch, Box, State, evolved, uniform_popul
 
 @dataclass(frozen=True)
 class RandomSearch(BatchedSearch[State]):
-    """Draw every generation uniformly from the box and remember the best."""
+    """Random search: every generation uniform in the box."""
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> State:
         """Draw the first generation."""

@@ -1,20 +1,12 @@
-"""The two forms in which a search is offered where its paper cannot be meant to the letter."""
+"""Readings of a paper: a search to the printed letter, or as the paper must be meant."""
 
 from __future__ import annotations
 
-from study.errors import unknown
-
-READINGS = ("as-printed", "standard")
+from study.choices import Choice
 
 
-def is_printed(reading: str) -> bool:
-    """Tell whether a reading is the paper's letter.
+class PaperReading(Choice):
+    """Reading in which a search is offered where its paper cannot be meant to the letter."""
 
-    Raises
-    ------
-    StudyError
-        If there is no such reading.
-    """
-    if reading not in READINGS:
-        raise unknown("reading", reading, READINGS)
-    return reading == "as-printed"
+    AS_PRINTED = "as-printed"
+    STANDARD = "standard"

@@ -1,4 +1,4 @@
-"""Sine cosine algorithm.
+"""Sine cosine algorithm (SCA).
 
 References
 ----------
@@ -14,25 +14,25 @@ import numpy as np
 
 from study.problem import Floats
 from study.search.batched_rng import Rng
-from study.search.bounds import brought_back
+from study.search.bounds import BoundsRule, bounded_positions
 from study.search.population import PopulationState, spread_population
 from study.search.state import BatchedSearch, Box, evolved
 
 
 @dataclass(frozen=True)
 class SCA(BatchedSearch[PopulationState]):
-    """Members swing around the incumbent by a sine or a cosine of falling amplitude.
+    """Sine cosine algorithm: members swing around the incumbent by a sine or a cosine of falling amplitude.
 
     Attributes
     ----------
     amplitude : float
         a, from which the amplitude r1 falls to 0; 2 in the algorithm's own paper.
-    bounds : str
+    bounds : BoundsRule
         A rule of `study.search.bounds`; ours.
     """
 
     amplitude: float = 2.0
-    bounds: str = "clip"
+    bounds: BoundsRule = BoundsRule.CLIP
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
         """Spread members uniformly."""
@@ -56,7 +56,7 @@ class SCA(BatchedSearch[PopulationState]):
             Amplitude times sine or cosine, and the random weight of the incumbent.
         """
         x = state.members
-        return brought_back(self.bounds, state.box, x + swing * np.abs(r3 * (2.0 * state.incumbent) - x))
+        return bounded_positions(self.bounds, state.box, x + swing * np.abs(r3 * (2.0 * state.incumbent) - x))
 
     def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
         """Take the new positions, better or not."""

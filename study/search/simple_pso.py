@@ -17,20 +17,20 @@ import numpy as np
 
 from study.problem import Floats
 from study.search.batched_rng import Rng
-from study.search.bounds import brought_back
+from study.search.bounds import BoundsRule, bounded_positions
 from study.search.pso import SwarmState, linear, swarm_at_rest
 from study.search.state import BatchedSearch, Box, evolved, uniform_population
 
 W = TypeVar("W", bound=SwarmState)
 
 
-def contracted(state: W, rng: Rng, weights: tuple[float, float, float], bounds: str) -> W:
+def contracted(state: W, rng: Rng, weights: tuple[float, float, float], bounds: BoundsRule) -> W:
     """Position update without velocity, Eq. (22), with weights w, c1, c2."""
     w, c1, c2 = weights
     x = state.candidates
     r1, r2 = rng.random((2, *x.shape[-2:]))
     x = w * x + c1 * r1 * (state.own_best - x) + c2 * r2 * (state.incumbent - x)  # eq. (22)
-    return evolved(state, candidates=brought_back(bounds, state.box, x))
+    return evolved(state, candidates=bounded_positions(bounds, state.box, x))
 
 
 @dataclass(frozen=True)
@@ -44,14 +44,14 @@ class SimplePSO(BatchedSearch[SwarmState]):
         explains the paper's Table 3.
     cognitive, social : float
         Learning factors c1 and c2; 2 after Hu and Li.
-    bounds : str
+    bounds : BoundsRule
         A rule of `study.search.bounds`; `clip` after Step 5 of the woodworking paper's Section 2.4.3.
     """
 
     inertia: tuple[float, float] = (0.9, 0.4)
     cognitive: float = 2.0
     social: float = 2.0
-    bounds: str = "clip"
+    bounds: BoundsRule = BoundsRule.CLIP
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
         """Spread particles uniformly."""

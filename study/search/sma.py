@@ -1,4 +1,4 @@
-"""Slime mould algorithm.
+"""Slime mould algorithm (SMA).
 
 References
 ----------
@@ -12,46 +12,54 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.choices import Choice, convert
 from study.problem import Floats
-from study.search.bounds import brought_back
-from study.search.population import PopulationState, check_choice, check_share, normalised_fitness, spread_population
-from study.search.reading import is_printed
+from study.search.bounds import BoundsRule, bounded_positions
+from study.search.population import PopulationState, check_share, normalised_fitness, spread_population
+from study.search.reading import PaperReading
 from study.search.state import Box, evolved
 
-RESTARTS = ("diagonal", "component")
 LARGEST = np.finfo(float).max
+
+
+class Restart(Choice):
+    """Random numbers of a restart, first line of Eq. (8)."""
+
+    SAME_NUMBER = "same-number"
+    DIAGONAL = "diagonal"
+    COMPONENT = "component"
 
 
 @dataclass(frozen=True)
 class SMA:
-    """Slime moulds approach the incumbent by the difference of two random members, shrink, or restart.
+    """Slime mould algorithm: members approach the incumbent by the difference of two others, shrink, or restart.
 
     Attributes
     ----------
-    reading : str
-        `as-printed` takes Eq. (8) at its word: the restart uses the very number that was found smaller than z, so it
+    reading : PaperReading
+        `as-printed` takes Eq. (8) at its word: the restart uses the very number that is smaller than z, so it
         lands in the lowest corner of the box, and v_c is the falling number itself, never negative. `standard` takes
         the algorithm's own paper: a fresh number, and v_c uniform in [-b, b] with b falling from 1 to 0.
     restart_share : float
         z of Eq. (8). The paper gives no value; 0.03 in the algorithm's own paper.
-    restart : str
+    restart : Restart
         `diagonal` draws one number for all dimensions, as Eq. (8) and the circulated code do, a bias towards the box's
-        main diagonal; `component` one for each. The printed reading knows only the first.
+        main diagonal; `component` one for each dimension; `same-number` takes the number compared with z, and is the
+        only one in the printed reading.
     log_base : float
         Base of the logarithm in Eq. (11), printed as log; 10 in the circulated code.
-    bounds : str
+    bounds : BoundsRule
         A rule of `study.search.bounds`; ours.
     """
 
-    reading: str = "standard"
+    reading: PaperReading = PaperReading.STANDARD
     restart_share: float = 0.03
-    restart: str = "diagonal"
+    restart: Restart = Restart.DIAGONAL
     log_base: float = 10.0
-    bounds: str = "clip"
+    bounds: BoundsRule = BoundsRule.CLIP
 
     def __post_init__(self) -> None:
-        is_printed(self.reading)
-        check_choice("SMA", "restart", self.restart, RESTARTS)
+        convert(self, reading=PaperReading, restart=Restart)
         check_share("SMA", "restart_share", self.restart_share)
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
@@ -70,37 +78,37 @@ class SMA:
         v_c = feedback(state, self.reading, rng)
         moved = np.where(nears, x_b + v_b * (w * x_a - x_c), v_c * x)  # eq. (8), second and third line
         moved = restarted(moved, state.box, rng, self.restart_share, self._restart())  # eq. (8), first line
-        return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
+        return evolved(state, candidates=bounded_positions(self.bounds, state.box, moved))
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Take the new positions, better or not."""
         return state.replaced(values)
 
-    def _restart(self) -> str:
-        return "same-number" if is_printed(self.reading) else self.restart
+    def _restart(self) -> Restart:
+        return Restart.SAME_NUMBER if self.reading is PaperReading.AS_PRINTED else self.restart
 
 
 def arctanh_factor(progress: float) -> float:
-    """Return a = arctanh(1 - t / t_max), Eq. (10); t counts from 1, because arctanh(1) is infinite."""
+    """Convergence factor a = arctanh(1 - t / t_max), Eq. (10); t counts from 1, because arctanh(1) is infinite."""
     return math.atanh(1.0 - progress)
 
 
 def approach_probability(state: PopulationState) -> Floats:
-    """Return p = tanh |F_i - F_best|, Eq. (9), shape (n_candidates, 1); 1 as long as nothing is finite."""
+    """Approach probability p = tanh |F_i - F_best|, Eq. (9), shape (n_candidates, 1); 1 while nothing is finite."""
     known = np.minimum(state.incumbent_value, LARGEST)
     return np.tanh(np.abs(state.values - known))[:, None]
 
 
-def feedback(state: PopulationState, reading: str, rng: np.random.Generator) -> Floats:
+def feedback(state: PopulationState, reading: PaperReading, rng: np.random.Generator) -> Floats:
     """Feedback factor v_c of Eq. (8), shape (n_candidates, n_dimensions)."""
     b = 1.0 - state.progress
-    if is_printed(reading):
+    if reading is PaperReading.AS_PRINTED:
         return np.full(state.members.shape, b)
     return b * (2.0 * rng.random(state.members.shape) - 1.0)
 
 
-def restarted(moved: Floats, box: Box, rng: np.random.Generator, share: float, how: str) -> Floats:
-    """Put a share of the members anywhere in the box, first line of Eq. (8).
+def restarted(moved: Floats, box: Box, rng: np.random.Generator, share: float, how: Restart) -> Floats:
+    """Restart of a share of the members anywhere in the box, first line of Eq. (8).
 
     Parameters
     ----------
@@ -109,17 +117,16 @@ def restarted(moved: Floats, box: Box, rng: np.random.Generator, share: float, h
     rng : numpy.random.Generator
     share : float
         Probability z.
-    how : str
-        `same-number` (the number compared with z), `diagonal` or `component`.
+    how : Restart
     """
     n, d = moved.shape
     r1 = rng.random((n, 1))
-    anywhere = r1 if how == "same-number" else rng.random((n, 1 if how == "diagonal" else d))
+    anywhere = r1 if how is Restart.SAME_NUMBER else rng.random((n, 1 if how is Restart.DIAGONAL else d))
     return np.where(r1 < share, box.at(anywhere), moved)
 
 
 def fitness_weights(values: Floats, r: Floats, log_base: float) -> Floats:
-    """Weights above 1 for the better half and below 1 for the rest, Eq. (11).
+    """Fitness weights: above 1 for the better half and below 1 for the rest, Eq. (11).
 
     Parameters
     ----------

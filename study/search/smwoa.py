@@ -1,4 +1,4 @@
-"""Slime mould whale optimisation algorithm: WOA with SMA's convergence factor and fitness weight.
+"""Slime mould whale optimisation algorithm (SMWOA): WOA with SMA's convergence factor and fitness weight.
 
 References
 ----------
@@ -11,11 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.choices import convert
 from study.problem import Floats
-from study.search.bounds import brought_back
+from study.search.bounds import bounded_positions
 from study.search.population import PopulationState, check_share
-from study.search.reading import is_printed
-from study.search.sma import approach_probability, arctanh_factor, feedback, fitness_weights, restarted
+from study.search.reading import PaperReading
+from study.search.sma import Restart, approach_probability, arctanh_factor, feedback, fitness_weights, restarted
 from study.search.state import evolved
 from study.search.woa import WOA, WhaleDraws, whale_moves
 
@@ -28,7 +29,7 @@ class SMWOA(WOA):
 
     Attributes
     ----------
-    reading : str
+    reading : PaperReading
         `as-printed` takes Eq. (15), where D'' repeats D' and so uses the incumbent; `standard` puts the random whale of
         Eq. (7) there, weighted by omega.
     arctanh : bool
@@ -45,7 +46,7 @@ class SMWOA(WOA):
         Base of the logarithm in Eq. (11).
     """
 
-    reading: str = "standard"
+    reading: PaperReading = PaperReading.STANDARD
     arctanh: bool = True
     weighted: bool = True
     oscillating: bool = True
@@ -55,7 +56,7 @@ class SMWOA(WOA):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        is_printed(self.reading)
+        convert(self, reading=PaperReading)
         check_share("SMWOA", "restart_share", self.restart_share)
 
     def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
@@ -67,10 +68,10 @@ class SMWOA(WOA):
         moved = whale_moves(draws, a, (state.incumbent, draws.leaders), distances, self.spiral, v_b)
         if self.shrinking:
             nears = rng.random(moved.shape) < approach_probability(state)
-            moved = np.where(nears, moved, feedback(state, "standard", rng) * state.members)
+            moved = np.where(nears, moved, feedback(state, PaperReading.STANDARD, rng) * state.members)
         if self.restart_share > 0.0:
-            moved = restarted(moved, state.box, rng, self.restart_share, "diagonal")
-        return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
+            moved = restarted(moved, state.box, rng, self.restart_share, Restart.DIAGONAL)
+        return evolved(state, candidates=bounded_positions(self.bounds, state.box, moved))
 
     def _distances(
         self, state: PopulationState, draws: WhaleDraws, rng: np.random.Generator
@@ -82,5 +83,5 @@ class SMWOA(WOA):
         if self.weighted:
             omega = c = fitness_weights(state.values, rng.random(x.shape), self.log_base)
         to_best = np.abs(omega * best - x)
-        to_other = to_best if is_printed(self.reading) else np.abs(c * draws.leaders - x)
+        to_other = to_best if self.reading is PaperReading.AS_PRINTED else np.abs(c * draws.leaders - x)
         return np.abs(draws.c * best - x), to_best, to_other

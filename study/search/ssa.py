@@ -1,4 +1,4 @@
-"""Sparrow search algorithm, with the improvements of the UR5 paper as switches.
+"""Sparrow search algorithm (SSA), with the improvements of the UR5 paper as switches.
 
 References
 ----------
@@ -13,17 +13,24 @@ from functools import lru_cache
 
 import numpy as np
 
+from study.choices import Choice, convert
 from study.problem import Floats
-from study.search.bounds import brought_back
-from study.search.chaos import chaotic_population, map_named
-from study.search.population import PopulationState, check_choice, check_share, new_population
-from study.search.reading import is_printed
+from study.search.bounds import BoundsRule, bounded_positions
+from study.search.chaos import Direction, chaotic_population, map_named
+from study.search.population import PopulationState, check_share, new_population
+from study.search.reading import PaperReading
 from study.search.state import Box, evolved, uniform_population
 
-STARTS = ("uniform", "tent")
 SIGNS = np.array([-1.0, 1.0])
 LARGEST = np.finfo(float).max
 LARGEST_EXPONENT = 700.0  # e^709 is the largest double
+
+
+class Start(Choice):
+    """Initial population: uniform, or one perturbed tent map per sparrow, Eq. (17)."""
+
+    UNIFORM = "uniform"
+    TENT = "tent"
 
 
 @lru_cache(maxsize=64)
@@ -34,18 +41,17 @@ def _ranks(n: int) -> Floats:
 
 @dataclass(frozen=True)
 class SSA:
-    """Producers contract, joiners follow the best producer or leave, scouts are drawn to the incumbent.
+    """Sparrow search: producers contract, joiners follow the best producer or leave, scouts are drawn to the incumbent.
 
-    `start="tent"` makes it the paper's T-SSA, both adaptive factors its ADF-SSA, all three its TADF-SSA.
+    `Start.TENT` makes it the paper's T-SSA, both adaptive factors its ADF-SSA, all three its TADF-SSA.
 
     Attributes
     ----------
-    reading : str
+    reading : PaperReading
         `as-printed` keeps the signs of Eq. (14), has no absolute value in the second line of Eq. (15), no pi in
         Eq. (18), and takes the adaptive factors as they are: steps of one sign. `standard` follows Xue and Shen and
         multiplies the adaptive factors by the random numbers that they replace.
-    start : str
-        `uniform`, or `tent`: the perturbed tent map of Eq. (17), one sequence per sparrow.
+    start : Start
     adaptive_beta, adaptive_k : bool
         Eq. (18) for beta and Eq. (19) for K; otherwise a normal number per dimension and a uniform number in [-1, 1].
     beta_limits : tuple of two floats
@@ -56,7 +62,7 @@ class SSA:
         Shares of the population, 20 % and 10 % in the paper's Section 5.
     safety : float
         ST of Eq. (13), 0.5 in the paper's Section 5.
-    bounds : str
+    bounds : BoundsRule
         A rule of `study.search.bounds`; ours.
 
     Notes
@@ -67,8 +73,8 @@ class SSA:
     readings take the original A^T (A A^T)^-1, which makes the joiners' step the same number in every dimension.
     """
 
-    reading: str = "standard"
-    start: str = "uniform"
+    reading: PaperReading = PaperReading.STANDARD
+    start: Start = Start.UNIFORM
     adaptive_beta: bool = False
     adaptive_k: bool = False
     beta_limits: tuple[float, float] = (0.0, 1.0)
@@ -76,18 +82,19 @@ class SSA:
     producers: float = 0.2
     scouts: float = 0.1
     safety: float = 0.5
-    bounds: str = "clip"
+    bounds: BoundsRule = BoundsRule.CLIP
 
     def __post_init__(self) -> None:
-        is_printed(self.reading)
-        check_choice("SSA", "start", self.start, STARTS)
+        convert(self, reading=PaperReading, start=Start)
         for field in ("producers", "scouts", "safety"):
             check_share("SSA", field, getattr(self, field))
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
         """Spread sparrows uniformly or by the tent map."""
-        if self.start == "tent":
-            positions = chaotic_population(map_named("perturbed-tent"), box, population, rng, along="dimensions")
+        if self.start is Start.TENT:
+            positions = chaotic_population(
+                map_named("perturbed-tent"), box, population, rng, along=Direction.DIMENSIONS
+            )
         else:
             positions = uniform_population(box, population, rng)
         return new_population(box, positions, generations)
@@ -102,7 +109,7 @@ class SSA:
         scouts = rng.permutation(n)[: round(self.scouts * n)]
         moved[scouts] = self._scouts(state, x, scouts, rng)
         candidates = np.empty_like(moved)
-        candidates[order] = brought_back(self.bounds, state.box, moved)
+        candidates[order] = bounded_positions(self.bounds, state.box, moved)
         return evolved(state, candidates=candidates)
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
@@ -125,7 +132,9 @@ class SSA:
         a = SIGNS.take(rng.integers(2, size=(n - first, d)))  # A; A^+ = A^T (A A^T)^-1 = A^T / d
         half = max(n // 2, first)
         hungry, fed, i = x[half:], x[first:half], _ranks(n)[half:]
-        fall = hungry - x[-1] if is_printed(self.reading) else x[-1] - hungry  # X_worst - X_i, its sign as read
+        fall = (
+            hungry - x[-1] if self.reading is PaperReading.AS_PRINTED else x[-1] - hungry
+        )  # X_worst - X_i, its sign as read
         leaving = q[half - first :] * np.exp(np.minimum(fall / i**2, LARGEST_EXPONENT))  # i > n / 2
         joined = x_p + (np.abs(fed - x_p) * a[: half - first]).sum(axis=1, keepdims=True) / d  # X_P + |X_i - X_P| A^+ L
         return np.concatenate([joined, leaving])
@@ -139,12 +148,12 @@ class SSA:
         k = self._k(state, len(scouts), rng)
         if (f_i > f_g).all():
             return to_best
-        away = x_i - x_worst if is_printed(self.reading) else np.abs(x_i - x_worst)
+        away = x_i - x_worst if self.reading is PaperReading.AS_PRINTED else np.abs(x_i - x_worst)
         fall = min(f_g, LARGEST) - f_w  # the paper's f_i - f_w, where f_i = f_g
         return np.where((f_i > f_g)[:, None], to_best, x_i + k * away / (fall + 1e-50))
 
     def _beta(self, state: PopulationState, x: Floats, rng: np.random.Generator) -> Floats | float:
-        printed = is_printed(self.reading)
+        printed = self.reading is PaperReading.AS_PRINTED
         if not self.adaptive_beta:
             return rng.standard_normal(x.shape)
         low, high = self.beta_limits
@@ -157,4 +166,4 @@ class SSA:
         if not self.adaptive_k:
             return 2.0 * rng.random((n, 1)) - 1.0
         k = state.progress * math.exp(math.sin(math.pi * state.progress) - low) / high  # eq. (19)
-        return k if is_printed(self.reading) else k * (2.0 * rng.random((n, 1)) - 1.0)
+        return k if self.reading is PaperReading.AS_PRINTED else k * (2.0 * rng.random((n, 1)) - 1.0)

@@ -98,14 +98,14 @@ S = TypeVar("S", bound=State)
 
 
 def evolved(state: S, **changes: Any) -> S:
-    """Copy a state with some fields changed; `dataclasses.replace` takes longer than moving fifty candidates."""
+    """Copy of a state with some fields changed; `dataclasses.replace` takes longer than moving fifty candidates."""
     copy = object.__new__(type(state))
     copy.__dict__.update(state.__dict__, **changes)
     return copy
 
 
 class Search(Protocol, Generic[S]):
-    """A metaheuristic as three pure functions over a frozen state; all randomness comes from the generator passed in."""
+    """Metaheuristic as three pure functions over a frozen state; all randomness comes from the generator passed in."""
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> S:
         """Make the first state; its candidates are the initial population."""

@@ -1,4 +1,4 @@
-"""Sooty tern optimisation algorithm, called swallow tern algorithm in the PUMA560 paper.
+"""Sooty tern optimisation algorithm (STOA), called swallow tern algorithm in the PUMA560 paper.
 
 References
 ----------
@@ -14,14 +14,14 @@ import numpy as np
 
 from study.problem import Floats
 from study.search.batched_rng import Rng
-from study.search.bounds import brought_back
+from study.search.bounds import BoundsRule, bounded_positions
 from study.search.population import PopulationState, spread_population
 from study.search.state import BatchedSearch, Box, evolved
 
 
 @dataclass(frozen=True)
 class STOA(BatchedSearch[PopulationState]):
-    """Terns shrink their position, drift towards the incumbent and spiral around it.
+    """Sooty tern optimisation: terns shrink their position, drift towards the incumbent and spiral around it.
 
     Attributes
     ----------
@@ -29,13 +29,13 @@ class STOA(BatchedSearch[PopulationState]):
         Value of Sa at the start, from which it falls to 0; 2 in the circulated code.
     spiral : float
         Shape b of the spiral; 1 in the circulated code.
-    bounds : str
+    bounds : BoundsRule
         A rule of `study.search.bounds`; `clip` in the circulated code.
     """
 
     control: float = 2.0
     spiral: float = 1.0
-    bounds: str = "clip"
+    bounds: BoundsRule = BoundsRule.CLIP
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
         """Spread terns uniformly."""
@@ -49,7 +49,7 @@ class STOA(BatchedSearch[PopulationState]):
         turn = 1.0 + (sa - 1.0) * rng.random(x.shape[-2:])
         distance = sa * x + drift * (best - x)
         moved = distance * np.exp(self.spiral * turn) * np.cos(2.0 * np.pi * turn) + best
-        return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
+        return evolved(state, candidates=bounded_positions(self.bounds, state.box, moved))
 
     def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
         """Take the new positions, better or not."""

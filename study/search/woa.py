@@ -1,4 +1,4 @@
-"""Whale optimisation algorithm.
+"""Whale optimisation algorithm (WOA).
 
 References
 ----------
@@ -12,28 +12,35 @@ from typing import NamedTuple
 
 import numpy as np
 
+from study.choices import Choice, convert
 from study.problem import Floats
-from study.search.bounds import brought_back
-from study.search.population import PopulationState, check_choice, spread_population
+from study.search.bounds import BoundsRule, bounded_positions
+from study.search.population import PopulationState, spread_population
 from study.search.state import Box, evolved
 
-DRAWS = ("whale", "component")
+
+class Draws(Choice):
+    """Random numbers per whale or per component of a position."""
+
+    WHALE = "whale"
+    COMPONENT = "component"
 
 
 @dataclass(frozen=True)
 class WOA:
-    """Whales encircle the incumbent, spiral towards it, or follow a random whale.
+    """Whale optimisation: whales encircle the incumbent, spiral towards it, or follow a random whale.
 
     Attributes
     ----------
     spiral : float
         Shape b of the logarithmic spiral, Eq. (5). The paper gives no value; 1 in the circulated code.
-    coefficients : str
+    coefficients : Draws
         `whale` draws one A and one C for each whale, as the circulated code does and as the choice by |A| needs;
         `component` reads the paper's "coefficient vector" literally and chooses by |A| in every dimension.
-    leader : str
-        `component` draws the random whale of Eq. (7) anew in every dimension, as the circulated code does; `whale` once.
-    bounds : str
+    leader : Draws
+        `component` draws the random whale of Eq. (7) anew in every dimension, as the circulated code does; `whale`
+        once.
+    bounds : BoundsRule
         A rule of `study.search.bounds`; ours, the paper is silent.
 
     Notes
@@ -43,13 +50,12 @@ class WOA:
     """
 
     spiral: float = 1.0
-    coefficients: str = "whale"
-    leader: str = "component"
-    bounds: str = "clip"
+    coefficients: Draws = Draws.WHALE
+    leader: Draws = Draws.COMPONENT
+    bounds: BoundsRule = BoundsRule.CLIP
 
     def __post_init__(self) -> None:
-        check_choice("WOA", "coefficients", self.coefficients, DRAWS)
-        check_choice("WOA", "leader", self.leader, DRAWS)
+        convert(self, coefficients=Draws, leader=Draws)
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
         """Spread whales uniformly."""
@@ -65,7 +71,7 @@ class WOA:
             return np.abs(draws.c * leader - x)  # D, D'', eqs. (4), (7)
 
         moved = whale_moves(draws, a, (best, r), (around(best), np.abs(best - x), around(r)), self.spiral)
-        return evolved(state, candidates=brought_back(self.bounds, state.box, moved))
+        return evolved(state, candidates=bounded_positions(self.bounds, state.box, moved))
 
     def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
         """Take the new positions, better or not."""
@@ -73,7 +79,7 @@ class WOA:
 
 
 class WhaleDraws(NamedTuple):
-    """One generation's random numbers.
+    """Random numbers of one generation of whales.
 
     Attributes
     ----------
@@ -95,9 +101,9 @@ class WhaleDraws(NamedTuple):
     def of(cls, search: WOA, state: PopulationState, rng: np.random.Generator) -> WhaleDraws:
         """Draw for every whale of the population."""
         n, d = state.members.shape
-        u, c = rng.random((2, n, 1 if search.coefficients == "whale" else d))
+        u, c = rng.random((2, n, 1 if search.coefficients is Draws.WHALE else d))
         p, turn = rng.random((2, n, 1))
-        rows = rng.integers(n, size=(n, 1 if search.leader == "whale" else d))
+        rows = rng.integers(n, size=(n, 1 if search.leader is Draws.WHALE else d))
         return cls(u, 2.0 * c, p, 2.0 * turn - 1.0, state.members[rows, np.arange(d)])
 
 
@@ -109,7 +115,7 @@ def whale_moves(
     spiral: float,
     oscillation: Floats | float = 1.0,
 ) -> Floats:
-    """Choose among encircling, spiral and exploration for every whale.
+    """Move every whale by encircling, spiral or exploration.
 
     Parameters
     ----------

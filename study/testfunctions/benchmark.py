@@ -1,4 +1,4 @@
-"""What a benchmark function is, and its shifted and rotated forms."""
+"""Benchmark functions and their shifted and rotated forms."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Formula = Callable[[Floats], Floats]
 
 @dataclass(frozen=True, eq=False)
 class Benchmark:
-    """A function to be minimised in a box.
+    """Benchmark function to be minimised in a box.
 
     Attributes
     ----------

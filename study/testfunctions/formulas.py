@@ -163,9 +163,9 @@ def branin(x: Floats) -> Floats:
 def goldstein_price(x: Floats) -> Floats:
     """Polynomial over many orders of magnitude."""
     a, b = x.T
-    one = 1.0 + (a + b + 1.0) ** 2 * (19.0 - 14.0 * a + 3.0 * a**2 - 14.0 * b + 6.0 * a * b + 3.0 * b**2)
+    head = 1.0 + (a + b + 1.0) ** 2 * (19.0 - 14.0 * a + 3.0 * a**2 - 14.0 * b + 6.0 * a * b + 3.0 * b**2)
     tail = 18.0 - 32.0 * a + 12.0 * a**2 + 48.0 * b - 36.0 * a * b + 27.0 * b**2
-    return one * (30.0 + (2.0 * a - 3.0 * b) ** 2 * tail)
+    return head * (30.0 + (2.0 * a - 3.0 * b) ** 2 * tail)
 
 
 def hartmann_3(x: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""The benchmark functions of the three papers that have them, as printed and as they must be meant.
+"""Benchmark functions of the three papers that have them, as printed and as they must be meant.
 
 References
 ----------
@@ -13,7 +13,7 @@ import numpy as np
 
 from study.errors import unknown
 from study.problem import Floats
-from study.search.reading import is_printed
+from study.search.reading import PaperReading
 from study.testfunctions import formulas
 from study.testfunctions.benchmark import Benchmark, Formula
 
@@ -116,15 +116,15 @@ _TABLES: dict[str, tuple[tuple[Benchmark, ...], tuple[Benchmark, ...]]] = {
 }
 
 
-def benchmarks_of(paper: str, reading: str = "standard") -> tuple[Benchmark, ...]:
+def benchmarks_of(paper: str, reading: PaperReading | str = PaperReading.STANDARD) -> tuple[Benchmark, ...]:
     """List a paper's benchmark functions in its order.
 
     Parameters
     ----------
     paper : str
         Key of the paper, such as `ur5-smwoa`.
-    reading : str
-        `standard` as they must be meant, or `as-printed` wherever the print differs and can be computed.
+    reading : PaperReading
+        Or its text: `standard` as they must be meant, or `as-printed` wherever the print differs and can be computed.
 
     Raises
     ------
@@ -134,5 +134,7 @@ def benchmarks_of(paper: str, reading: str = "standard") -> tuple[Benchmark, ...
     if paper not in _TABLES:
         raise unknown("benchmark functions for the paper", paper, _TABLES)
     meant, printed = _TABLES[paper]
-    replaced = {function.label: function for function in printed} if is_printed(reading) else {}
+    replaced = (
+        {function.label: function for function in printed} if PaperReading(reading) is PaperReading.AS_PRINTED else {}
+    )
     return tuple(replaced.get(function.label, function) for function in meant)

@@ -19,7 +19,7 @@ from study.formulation import Penalty
 from study.planning import Meter
 from study.problem import Floats
 from study.registry import planner_named
-from study.search.gsa import GSA, halves
+from study.search.gsa import GSA, half_words
 from study.search.loop import minimise
 from study.search.pso import PSO, VelocityUpdate
 from study.search.sca import SCA
@@ -224,5 +224,5 @@ def test_attraction_has_numpys_bits(n: int, dimensions: int, pullers: int, seed:
     rng = np.random.default_rng(seed)
     columns = rng.normal(size=(dimensions, n))
     heavy = columns.T[rng.integers(n, size=pullers)]  # each at no distance from itself
-    inputs = columns, heavy, rng.random(pullers), halves(rng, (pullers, dimensions, n))
+    inputs = columns, heavy, rng.random(pullers), half_words(rng, (pullers, dimensions, n))
     np.testing.assert_array_equal(GSA.attraction(*inputs), CompiledGSA.attraction(*inputs))

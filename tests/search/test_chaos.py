@@ -139,5 +139,5 @@ def test_rescaled_sequences_touch_both_walls():
 def test_unknown_names_say_what_would_do():
     with pytest.raises(StudyError, match="no chaotic map 'circl'; did you mean 'circle'"):
         map_named("circl")
-    with pytest.raises(StudyError, match="direction of a chaotic sequence"):
+    with pytest.raises(StudyError, match="no direction 'dimension'"):
         chaotic_population(MAPS["tent"], BOX, 5, np.random.default_rng(0), along="dimension")

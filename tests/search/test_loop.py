@@ -5,7 +5,7 @@ import pytest
 
 from study import StudyError
 from study.planning import Meter
-from study.search.bounds import RULES, bounded, brought_back
+from study.search.bounds import BoundsRule, bounded, bounded_positions
 from study.search.loop import minimise
 from study.search.pso import PSO
 from study.search.random_search import RandomSearch
@@ -78,23 +78,23 @@ EXPECTED = {
 }
 
 
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("rule", BoundsRule)
 def test_bounds_rules(rule):
     positions, velocities = bounded(rule, BOX, OUTSIDE, VELOCITIES)
     assert (positions.tolist(), velocities.tolist()) == EXPECTED[rule]
 
 
-@pytest.mark.parametrize("rule", [rule for rule in RULES if rule != "free"])
+@pytest.mark.parametrize("rule", [rule for rule in BoundsRule if rule != "free"])
 def test_rules_bring_any_candidate_home_and_leave_those_inside_alone(rule):
     rng = np.random.default_rng(0)
     far = rng.normal(size=(500, 2)) * 50
     inside = BOX.at(rng.random((500, 2)))
-    home = brought_back(rule, BOX, far)
+    home = bounded_positions(rule, BOX, far)
     assert (home >= BOX.lower).all()
     assert (home <= BOX.upper).all()
-    assert brought_back(rule, BOX, inside) == pytest.approx(inside, abs=1e-12)
+    assert bounded_positions(rule, BOX, inside) == pytest.approx(inside, abs=1e-12)
 
 
 def test_unknown_rule_says_what_would_do():
     with pytest.raises(StudyError, match="no bounds rule 'clop'; did you mean 'clip'"):
-        brought_back("clop", BOX, OUTSIDE)
+        bounded_positions("clop", BOX, OUTSIDE)

@@ -132,10 +132,10 @@ def test_searches_that_need_a_population_say_so():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: SMA(reading="original"), "no reading 'original'"),
-        (lambda: SMA(restart="anywhere"), "no restart of SMA 'anywhere'"),
+        (lambda: SMA(reading="original"), "no paper reading 'original'"),
+        (lambda: SMA(restart="anywhere"), "no restart 'anywhere'"),
         (lambda: WOA(leader="wale"), "did you mean 'whale'"),
-        (lambda: SSA(start="circle"), "no start of SSA"),
+        (lambda: SSA(start="circle"), "no start 'circle'"),
         (lambda: SSA(scouts=1.5), "SSA: scouts must lie between 0 and 1, got 1.5"),
         (lambda: DE(crossover=-1), "DE: crossover must lie between 0 and 1"),
     ],

@@ -93,14 +93,14 @@ def test_candidates_stay_in_the_box(name):
 def test_readings_differ_and_unknown_ones_are_refused(search):
     standard, printed = (searched(search(reading=reading), 0, 300)[0] for reading in ("standard", "as-printed"))
     assert standard.incumbents.tobytes() != printed.incumbents.tobytes()
-    with pytest.raises(StudyError, match="no reading 'printed'; did you mean 'as-printed'"):
+    with pytest.raises(StudyError, match="no paper reading 'printed'; did you mean 'as-printed'"):
         search(reading="printed")
 
 
 def test_other_impossible_constants_are_refused():
     with pytest.raises(StudyError, match="sum exceeds 4, got 2 and 2"):
         CFPSO(cognitive=2.0, social=2.0)
-    with pytest.raises(StudyError, match="unit of a velocity clamp 'shares'"):
+    with pytest.raises(StudyError, match="no clamp unit 'shares'"):
         VelocityUpdate(unit="shares")
 
 

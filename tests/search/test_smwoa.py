@@ -11,7 +11,7 @@ from scipy import stats
 from study.planning import Meter
 from study.search.loop import minimise
 from study.search.population import new_population
-from study.search.sma import SMA, arctanh_factor, fitness_weights, restarted
+from study.search.sma import SMA, Restart, arctanh_factor, fitness_weights, restarted
 from study.search.smwoa import SMWOA
 from study.search.state import Box
 from study.search.woa import WOA
@@ -107,7 +107,7 @@ def test_weights_by_hand():
 def test_restarts_land_where_each_reading_says():
     box, rng = Box(np.array([0.0, 10.0]), np.array([1.0, 30.0])), np.random.default_rng(0)
     stay = np.full((4000, 2), -5.0)
-    for how in ("same-number", "diagonal", "component"):
+    for how in Restart:
         moved = restarted(stay, box, rng, 0.03, how)
         fractions = ((moved - box.lower) / box.width)[moved[:, 0] != -5.0]
         assert len(fractions) == pytest.approx(120, abs=40)

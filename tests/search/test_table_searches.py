@@ -10,7 +10,7 @@ from scipy import optimize, stats
 
 from study.planning import Meter
 from study.search.de import DE, three_others
-from study.search.gsa import GSA, GravityState, halves
+from study.search.gsa import GSA, GravityState, half_words
 from study.search.loop import minimise
 from study.search.population import new_population
 from study.search.sca import SCA
@@ -42,7 +42,7 @@ def transcribed_gsa(state, rng):
     masses = [value / sum(m) for value in m]
     share = 0.02 + (1 - 1 / 4) * 0.98
     heavy = sorted(range(n), key=lambda i: -masses[i])[: round(share * n)]
-    draws = halves(rng, (len(heavy), d, n)) / 2**32
+    draws = half_words(rng, (len(heavy), d, n)) / 2**32
     g = 100 * math.exp(-20 / 4)
     out = np.empty((n, d))
     for i in range(n):
@@ -64,7 +64,7 @@ def test_gsa_follows_a_transcription_of_its_equations():
 
 
 def test_halves_are_uniform_whole_numbers_of_32_bits():
-    drawn = halves(np.random.default_rng(4), (301, 11, 9))
+    drawn = half_words(np.random.default_rng(4), (301, 11, 9))
     assert drawn.shape == (301, 11, 9)
     assert drawn.dtype == np.uint32
     assert stats.kstest(drawn.ravel() / 2**32, "uniform").pvalue > 1e-3

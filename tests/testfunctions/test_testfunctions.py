@@ -167,7 +167,7 @@ def test_what_is_not_a_rotation_is_refused():
 def test_wrong_questions_are_refused():
     with pytest.raises(StudyError, match="did you mean 'ur5-smwoa'"):
         benchmarks_of("ur5-smwo")
-    with pytest.raises(StudyError, match="no reading"):
+    with pytest.raises(StudyError, match="no paper reading"):
         benchmarks_of("ur5-smwoa", "printed")
     with pytest.raises(StudyError, match=r"shape \(n_points, 30\), got \(30,\)"):
         by_label("ur5-smwoa", "F1")(np.zeros(30))

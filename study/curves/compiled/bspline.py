@@ -1,6 +1,7 @@
 """Compiled peak rates of the parametric B-spline: the same closed forms and cubics as in NumPy, piece by piece.
 
-With t' = e0 + e1 u + e2 u^2 and q' = d0 + d1 u + d2 u^2, velocity is q'/t' and acceleration N/t'^3 with N = q''t' - q't''.
+With t' = e0 + e1 u + e2 u^2 and q' = d0 + d1 u + d2 u^2, velocity is q'/t' and acceleration N/t'^3 with N = q''t' -
+q't''.
 """
 
 from __future__ import annotations

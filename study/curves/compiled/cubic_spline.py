@@ -1,4 +1,4 @@
-"""Compiled peak rates of the clamped cubic spline: the tridiagonal matrix of a candidate is factored once for all joints."""
+"""Compiled peak rates of the clamped cubic spline, whose tridiagonal matrix is factored once for all joints."""
 
 from __future__ import annotations
 

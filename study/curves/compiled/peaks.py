@@ -63,7 +63,7 @@ def peaks_bspline(waypoints: Floats, durations: Floats, orders: Orders = (1, 2, 
 
 @lru_cache
 def _unit_rates(n_segments: int) -> Floats:
-    """t'(u) of each unit duration, shape (n_segments, 3, n_segments): it depends on nothing but their number."""
+    """t'(u) of each unit duration, shape (n_segments, 3, n_segments): the same for every candidate."""
     unit = np.moveaxis(bspline.time_coefficients(np.eye(n_segments)), 0, -1)[:, 1:]
     return np.ascontiguousarray(unit * np.array([1.0, 2.0, 3.0])[:, None])
 

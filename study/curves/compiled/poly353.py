@@ -2,8 +2,9 @@
 
 Everything in that pass is arithmetic and selection without a branch, so that the compiler turns it into vector
 instructions. Peak acceleration and jerk are closed forms. Peak velocity needs the roots of a cubic: its turning points
-cut the unit interval into three monotone pieces, and in each a fixed number of steps that fit a parabola (exact for double
-roots, of third order elsewhere) closes in. A curve whose steps have not settled is finished by a bracketing loop.
+cut the unit interval into three monotone pieces, and in each a fixed number of steps that fit a parabola (exact for
+double roots, of third order elsewhere) closes in. A curve whose steps have not settled is finished by a bracketing
+loop.
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ def _halley(f: Number, u: Number, low: Number, high: Number) -> Number:
 
 @inlined
 def _extremum(v: Number, f: Number, low: Number, high: Number, f_low: Number, f_high: Number) -> Number:
-    """Velocity at the acceleration's root between two points, squared rest and slope there; any point serves without one."""
+    """Velocity, squared rest and slope at the acceleration's root between two points; at any point where no root is."""
     sign = 1.0 if f_high > f_low else -1.0
     u = low if abs(f_low) < abs(f_high) else high
     u = _step(f, u, low, high, sign)
@@ -144,14 +145,14 @@ def _two_peaks(steps: Number, rates: Number, velocity: Number, acceleration: Num
         v, f, v2, a2 = _quintic(steps, rates[3, i], rates[4, i])
         x, y = _turns(f)
         f_x, f_y = _cubic(f, x), _cubic(f, y)
-        one, rest_one, slope_one = _extremum(v, f, 0.0, x, f[0], f_x)
-        two, rest_two, slope_two = _extremum(v, f, x, y, f_x, f_y)
-        three, rest_three, slope_three = _extremum(v, f, y, 1.0, f_y, a2)
-        peak = _larger(_larger(abs(v[0]), abs(v2)), _larger(_larger(one, two), three))
+        left, rest_left, slope_left = _extremum(v, f, 0.0, x, f[0], f_x)
+        inner, rest_inner, slope_inner = _extremum(v, f, x, y, f_x, f_y)
+        right, rest_right, slope_right = _extremum(v, f, y, 1.0, f_y, a2)
+        peak = _larger(_larger(abs(v[0]), abs(v2)), _larger(_larger(left, inner), right))
         velocity[i] = _larger(peak * r2, 3.0 * _larger(abs(first) * r1, abs(last) * r3))
         least = SETTLED * peak  # a Newton step adds rest / slope; multiplied out, because divisions are dear
-        beyond = _larger(rest_one - least * slope_one, rest_two - least * slope_two)
-        doubt[i] = _larger(beyond, rest_three - least * slope_three)
+        beyond = _larger(rest_left - least * slope_left, rest_inner - least * slope_inner)
+        doubt[i] = _larger(beyond, rest_right - least * slope_right)
         peak = _larger(_larger(abs(f[0]), abs(a2)), _larger(abs(f_x), abs(f_y)))
         outer = 6.0 * _larger(abs(first) * r1 * r1, abs(last) * r3 * r3)
         acceleration[i] = _larger(peak * r2 * r2, outer)

@@ -30,14 +30,14 @@ from study.reproduction.jobs import Job, Runs
 from study.reproduction.motion_runs import MotionCell, OptimumCell, Summary, summarised, synchronised
 from study.reproduction.verdicts import Outcome, Place, Ruling, claim, used
 from study.robots import robot_named
-from study.search.pso import PSO, VelocityUpdate
+from study.search.pso import PSO, ClampUnit, VelocityUpdate
 
 PAPER = "aubo-dynamic-adaptive-pso"
 CASES = {
     "condition 1": ("aubo-i5", "aubo-i5-radians"),
     "condition 2": ("aubo-i5-condition-2", "aubo-i5-condition-2-radians"),
 }
-STANDARD_PSO = PSO((0.9, 0.9), 2.0, 2.0, VelocityUpdate(4.0, "absolute", "clip"))
+STANDARD_PSO = PSO((0.9, 0.9), 2.0, 2.0, VelocityUpdate(4.0, ClampUnit.ABSOLUTE))
 """The paper's opponent: learning factors 2 and clamp 4 printed, weight constant at the printed start; that one is ours."""
 
 SEARCHES = {
