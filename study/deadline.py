@@ -7,9 +7,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 
-IPOPT_LATE = "Maximum_WallTime_Exceeded"
-"""What IPOPT says when it stops for this reason."""
-
 
 @dataclass
 class Watch:

@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 SOURCES = sorted(path for package in ("study", "baselines") for path in (ROOT / package).rglob("*.py"))
 OWNERS = {
-    "casadi": ("baselines/",),
+    "casadi": ("baselines/ipopt.py",),
     "toppra": (
         "baselines/path_timing/toppra.py",
         "study/bench/references.py",

@@ -46,7 +46,7 @@ class AnyMotionBound:
         Raises
         ------
         StudyError
-            If Ruckig or CasADi is missing, or Ruckig finds no move from stop to stop.
+            If Ruckig finds no move from stop to stop.
         """
         if not np.ptp(problem.waypoints, axis=0).any():
             return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")

@@ -104,7 +104,7 @@ def enclose_curve(problem: Problem, curve: str, *, seed: int, time_limit: float,
     Raises
     ------
     StudyError
-        If CasADi is missing, or the curve does not fit the waypoints.
+        If the curve does not fit the waypoints.
     """
     if noted(time.perf_counter() > deadline):
         time_limit = 0.0
@@ -139,7 +139,7 @@ def certify(problem: Problem, *, seed: int = 0, time_limit: float = 60.0) -> Cer
     Raises
     ------
     StudyError
-        If CasADi is missing or there are not four waypoints.
+        If there are not four waypoints.
     """
     began = time.perf_counter()
     bounds, scaled = Bounds353(problem), Scaled(problem, curve_named("poly353"))

@@ -26,17 +26,18 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.special import factorial
 
-from baselines.segment_times.model import COLD, ca, require_casadi
+from baselines.ipopt import Ipopt, Solution, alone, ca
+from baselines.segment_times.model import COLD
 from baselines.segment_times.nlp import optimise
 from study.curves import curve_named
-from study.deadline import IPOPT_LATE, noted
+from study.deadline import noted
 from study.judge import judge
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Demand, EndCondition, Floats, Problem
 from study.trajectory import Motion, Trajectory
 
 DEGREE = 5
-OPTIONS = COLD | {"print_level": 0, "sb": "yes", "tol": 1e-8, "constr_viol_tol": 1e-10, "max_iter": 300}
+OPTIONS = COLD | {"tol": 1e-8, "constr_viol_tol": 1e-10, "max_iter": 300}
 SHORTEST = 1e-3
 """Shortest step between passage parameters, as a share of an even one."""
 
@@ -165,24 +166,23 @@ class Transcription:
                 side[:count, column], side[-count:, column] = 0.0, goal[column]
         return np.concatenate([low.ravel(), reach[0], [0.0]]), np.concatenate([high.ravel(), reach[1], [np.inf]])
 
-    def solve(self, start: Shape, seconds: float) -> tuple[Shape, dict[str, Any]]:
-        """Run IPOPT once; the answer comes with IPOPT's own account of the run."""
+    @alone()
+    def solve(self, start: Shape, seconds: float) -> tuple[Shape, Solution]:
+        """Run IPOPT once."""
         unit = start.duration
         guess = (start.control[:, self.moving] - self.origin) / self.span
         x = ca.MX.sym("x", guess.size + self.problem.n_segments)
         near = REACH / self.problem.n_segments
         reach = np.maximum(start.passed[1:-1] - near, 0.0), np.minimum(start.passed[1:-1] + near, 1.0)
         rows, upper = self._rows(x, unit, reach)
-        options = {"ipopt": OPTIONS | {"max_wall_time": seconds}, "print_time": False, "error_on_fail": False}
-        solver = ca.nlpsol("bspline", "ipopt", {"x": x, "f": x[-1], "g": rows}, options)
+        solver = Ipopt({"x": x, "f": x[-1], "g": rows}, OPTIONS | {"max_wall_time": seconds})
         low, high = self._box(reach)
         x0 = np.concatenate([guess.ravel(), start.passed[1:-1], [1.0]])
-        found = np.array(solver(x0=x0, lbx=low, ubx=high, lbg=0.0, ubg=upper)["x"]).ravel()
-        stats = solver.stats()
-        noted(stats["return_status"] == IPOPT_LATE)
+        solution = solver.solve(x0=x0, lbx=low, ubx=high, lbg=0.0, ubg=upper)
+        found = solution.x
         control = np.repeat(self.problem.waypoints[:1], self.spans + DEGREE, axis=0)
         control[:, self.moving] += found[: guess.size].reshape(guess.shape) * self.span
-        return Shape(control, np.concatenate([[0.0], found[guess.size : -1], [1.0]]), found[-1] * unit), stats
+        return Shape(control, np.concatenate([[0.0], found[guess.size : -1], [1.0]]), found[-1] * unit), solution
 
 
 @dataclass(frozen=True)
@@ -205,13 +205,12 @@ class BSplineNlp:
     stochastic: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Solve the NLP; only the settings' time limit matters. A StudyError says if CasADi is missing."""
+        """Solve the NLP; only the settings' time limit matters."""
         if not np.isfinite(problem.limits.rates[1:]).any():
             reason = "no joint has an acceleration or jerk limit, and a smooth curve cannot be the fastest then"
             return Plan(Status.NOT_APPLICABLE, message=reason)
         if not np.ptp(problem.waypoints, axis=0).any():
             return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
-        require_casadi()
         deadline, spans = time.monotonic() + settings.time_limit, self.spans * problem.n_segments
         shape, best = first_shape(problem, spans, settings.time_limit / 4), Plan(Status.FAILED, message="no time left")
         while spans <= max(self.most, self.spans * problem.n_segments):
@@ -219,9 +218,9 @@ class BSplineNlp:
             for _ in range(ROUNDS):
                 if noted((seconds := deadline - time.monotonic()) <= 0):
                     return replace(best, status=Status.FAILED if best.motion is None else Status.NOT_CONVERGED)
-                found, stats = model.solve(shape.finer(spans), seconds)
-                before, best = best, _better(problem, best, found, stats)
-                if not stats["success"]:
+                found, solution = model.solve(shape.finer(spans), seconds)
+                before, best = best, _better(problem, best, found, solution)
+                if not solution.success:
                     return best
                 shape = found
                 if _gain(before, best) < ENOUGH:
@@ -237,16 +236,14 @@ def _gain(before: Plan, after: Plan) -> float:
     return 1.0 - after.motion.duration / before.motion.duration
 
 
-def _better(problem: Problem, best: Plan, found: Shape, stats: dict[str, Any]) -> Plan:
+def _better(problem: Problem, best: Plan, found: Shape, solution: Solution) -> Plan:
     """Take the new motion where it is feasible and faster, exactly at its limits, and the account of its solve."""
     motion = found.motion()
     factor = stretch(problem, motion)
-    better = replace(
-        best, iterations=best.iterations + int(stats["iter_count"]), message=f"IPOPT: {stats['return_status']}"
-    )
+    better = replace(best, iterations=best.iterations + solution.iterations, message=f"IPOPT: {solution.status}")
     faster = best.motion is None or motion.duration * factor < best.motion.duration
     if faster and judge(problem, motion.scaled(factor)).feasible:
         better = replace(better, motion=motion.scaled(factor), details={"stretch": factor})
     if better.motion is None:
         return better
-    return replace(better, status=Status.FINISHED if stats["success"] else Status.NOT_CONVERGED)
+    return replace(better, status=Status.FINISHED if solution.success else Status.NOT_CONVERGED)

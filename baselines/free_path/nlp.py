@@ -121,10 +121,10 @@ def improve(problem: Problem, transcription: Transcription, start: Nodes, deadli
     nodes, peaks = units.into(start), transcription.middles
     iterations, results = 0, []
     for _ in range(ROUNDS):
-        nodes, stats = transcription.solve(nodes, peaks)
-        iterations += int(stats["iter_count"])
-        results.append(_finished(problem, units.back(nodes), bool(stats["success"]), str(stats["return_status"])))
-        if not stats["success"] or results[-1].stretch <= 1 + ENOUGH or noted(time.monotonic() > deadline):
+        nodes, solution = transcription.solve(nodes, peaks)
+        iterations += solution.iterations
+        results.append(_finished(problem, units.back(nodes), solution.success, solution.status))
+        if not solution.success or results[-1].stretch <= 1 + ENOUGH or noted(time.monotonic() > deadline):
             break
         peaks = transcription.moved(peaks, nodes)
     return replace(min(results, key=lambda result: result.rank), iterations=iterations)
@@ -166,7 +166,7 @@ def free_path(problem: Problem, pieces: int = 8, time_limit: float = 60.0, deadl
     Raises
     ------
     StudyError
-        If CasADi is missing, `pieces` is not positive or too few for the end condition, or no joint moves.
+        If `pieces` is not positive or too few for the end condition, or no joint moves.
     """
     if pieces < 1:
         raise StudyError(f"free-path NLP: pieces per segment must be at least 1, got {pieces}")
@@ -214,13 +214,7 @@ class FreePathNlp:
     stochastic: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Solve the NLP within the settings' time limit.
-
-        Raises
-        ------
-        StudyError
-            If CasADi is missing.
-        """
+        """Solve the NLP within the settings' time limit."""
         if not np.ptp(problem.waypoints, axis=0).any():
             return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
         try:

@@ -7,8 +7,6 @@ Where a piece ends, v + a^2 / (2 J) <= V holds too, as it must where the acceler
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -16,34 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baselines.closed_forms import rest_to_rest_time
-from study.deadline import IPOPT_LATE, noted
-from study.errors import StudyError
+from baselines.ipopt import Ipopt, Solution, alone, ca
 from study.problem import EndCondition, Floats, Problem
 from study.trajectory import Trajectory
 
 IntArray = NDArray[np.intp]
-OPTIONS = {"print_level": 0, "sb": "yes", "tol": 1e-9, "max_iter": 300}
+OPTIONS = {"tol": 1e-9, "max_iter": 300}
 SHORTEST = 1e-6
 """Shortest duration of a segment, in the solver's unit of time."""
 
 FLAT = 0.01
 """Share of the full change of acceleration below which a peak counts as flat: it then needs no second-order term."""
-
-
-def casadi_module() -> Any:
-    """Import CasADi, or say how to get it.
-
-    Raises
-    ------
-    StudyError
-        If the package is not installed.
-    """
-    try:
-        return importlib.import_module("casadi")
-    except ImportError:
-        raise StudyError(
-            "planner 'free-path-nlp' needs the package 'casadi', which is not installed; install it with: pip install casadi"
-        ) from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,15 +118,10 @@ class Transcription:
     pieces : int
         Equal pieces per segment, K.
     time_limit : float, s
-
-    Raises
-    ------
-    StudyError
-        If the package is missing.
     """
 
+    @alone()
     def __init__(self, problem: Problem, pieces: int, time_limit: float = 60.0) -> None:
-        ca = casadi_module()
         self.problem, self.pieces, self.units = problem, pieces, Units.of(problem)
         self._count = problem.n_segments * pieces
         self._limits = self.units.rates(problem)
@@ -155,7 +131,7 @@ class Transcription:
         durations = ca.SX.sym("T", problem.n_segments)
         velocity, acceleration = ca.SX.sym("v", *self._velocity_shape), ca.SX.sym("a", *self._acceleration_shape)
         peaks = [ca.SX.sym(name, self._count, len(self.units.cubic)) for name in ("u", "bend")]
-        rows = self._rows(ca, durations, velocity, acceleration, peaks)
+        rows = self._rows(durations, velocity, acceleration, peaks)
         self._lower, self._upper = (np.concatenate([row[side] for row in rows]) for side in (1, 2))
         nlp = {
             "x": ca.vertcat(durations, ca.vec(velocity), ca.vec(acceleration)),
@@ -163,11 +139,10 @@ class Transcription:
             "f": ca.sum1(durations),
             "g": ca.vertcat(*(ca.vec(row[0]) for row in rows)),
         }
-        options = {"ipopt": OPTIONS | {"max_wall_time": time_limit}, "print_time": False, "error_on_fail": False}
-        self._solver = ca.nlpsol("free_path", "ipopt", nlp, options)
+        self._solver = Ipopt(nlp, OPTIONS | {"max_wall_time": time_limit})
 
     def _rows(
-        self, ca: Any, durations: Any, velocity: Any, acceleration: Any, peaks: list[Any]
+        self, durations: Any, velocity: Any, acceleration: Any, peaks: list[Any]
     ) -> list[tuple[Any, Floats, Floats]]:
         """All constraints as (expressions, lower, upper): what a piece does, then where a segment ends."""
         n_cubic = len(self.units.cubic)
@@ -218,14 +193,12 @@ class Transcription:
         low[: len(shortest)] = shortest
         return low, high
 
-    def solve(self, start: Nodes, peaks: Peaks) -> tuple[Nodes, Mapping[str, Any]]:
-        """Run IPOPT once; the answer is in these units and comes with IPOPT's own account of the run."""
+    def solve(self, start: Nodes, peaks: Peaks) -> tuple[Nodes, Solution]:
+        """Run IPOPT once; the nodes are in these units."""
         p = np.concatenate([part.ravel(order="F") for part in peaks])
         low, high = self._bounds()
-        found = self._solver(x0=self._pack(start), p=p, lbx=low, ubx=high, lbg=self._lower, ubg=self._upper)
-        stats = self._solver.stats()
-        noted(stats["return_status"] == IPOPT_LATE)
-        return self._unpack(np.asarray(found["x"]).ravel()), stats
+        solution = self._solver.solve(x0=self._pack(start), p=p, lbx=low, ubx=high, lbg=self._lower, ubg=self._upper)
+        return self._unpack(solution.x), solution
 
     @property
     def middles(self) -> Peaks:

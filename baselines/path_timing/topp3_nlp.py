@@ -17,16 +17,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from baselines.ipopt import Ipopt, Solution, alone, ca
 from baselines.path_timing.toppra import Path, chord_path
-from baselines.segment_times.model import ca, require_casadi
 from study import polynomial
-from study.deadline import IPOPT_LATE, noted
+from study.deadline import noted
 from study.judge import judge
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Demand, EndCondition, Floats, Problem
 from study.trajectory import Trajectory
 
-OPTIONS = {"print_level": 0, "sb": "yes", "max_iter": 500, "tol": 1e-8}
+OPTIONS = {"max_iter": 500, "tol": 1e-8}
 POINTS = np.linspace(0.0, 1.0, 5)
 SHORTEST = 1e-4
 """Shortest duration of a piece, in the solver's unit of time."""
@@ -69,7 +69,6 @@ class Transcription:
     """
 
     def __init__(self, problem: Problem, path: Path, pieces: int, deadline: float) -> None:
-        require_casadi()
         self.problem, self.path, self.pieces = problem, path, pieces
         self.segments = np.repeat(np.arange(len(path.cubics)), pieces)
         rest = np.diff(path.knots)
@@ -82,8 +81,9 @@ class Transcription:
         ratios = judge(self.problem, motion).ratios.max(axis=1)
         return float((ratios ** (1.0 / np.arange(1, 4))).max())
 
-    def solve(self, points: list[Floats], guess: Floats | None) -> tuple[Floats, bool, int]:
-        """Solve with the limits held at given fractions of every piece; returns variables, success and iterations."""
+    @alone()
+    def solve(self, points: list[Floats], guess: Floats | None) -> Solution:
+        """Solve with the limits held at given fractions of every piece."""
         n = len(self.segments)
         h, s, w, a, r = (ca.SX.sym(name, n) for name in "hswar")
         after = [
@@ -106,14 +106,10 @@ class Transcription:
         x = ca.vertcat(h, s, w, a, r)
         g = ca.vertcat(equal, limited)
         seconds = max(self.deadline - time.monotonic(), SOLVE_AT_LEAST)
-        options = {"ipopt": {**OPTIONS, "max_wall_time": seconds}, "print_time": False}
-        solver = ca.nlpsol("topp3", "ipopt", {"x": x, "f": ca.sum1(h), "g": g}, options)
+        solver = Ipopt({"x": x, "f": ca.sum1(h), "g": g}, OPTIONS | {"max_wall_time": seconds})
         bound = np.concatenate([np.zeros(equal.shape[0]), np.ones(limited.shape[0])])
         low = np.concatenate([np.full(n, SHORTEST), np.full(n, -np.inf), np.zeros(n), np.full(2 * n, -np.inf)])
-        found = solver(x0=self._cruise() if guess is None else guess, lbx=low, lbg=-bound, ubg=bound)
-        stats = solver.stats()
-        noted(stats["return_status"] == IPOPT_LATE)
-        return np.array(found["x"]).ravel(), bool(stats["success"]), int(stats["iter_count"])
+        return solver.solve(x0=self._cruise() if guess is None else guess, lbx=low, lbg=-bound, ubg=bound)
 
     def _rates(self, piece: int, fractions: Floats, state: tuple[Any, ...]) -> Any:
         """Rates over limits of every joint at points of one piece, in the solver's time."""
@@ -212,13 +208,7 @@ class Topp3NLP:
     stochastic: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Parameterize the path; only the settings' time limit matters.
-
-        Raises
-        ------
-        StudyError
-            If CasADi is missing.
-        """
+        """Parameterize the path; only the settings' time limit matters."""
         if not np.isfinite(problem.limits.jerk).all():
             return Plan(Status.NOT_APPLICABLE, message="some joint has no jerk limit, so TOPP-RA already answers")
         found, iterations = self._answers(problem, time.monotonic() + settings.time_limit)
@@ -238,9 +228,10 @@ class Topp3NLP:
             for _ in range(self.rounds):
                 if found and noted(time.monotonic() > deadline):
                     return found, iterations
-                guess, success, steps = model.solve(points, guess)
-                iterations += steps
-                found.append(_stretched(problem, model, guess, success))
+                solution = model.solve(points, guess)
+                guess = solution.x
+                iterations += solution.iterations
+                found.append(_stretched(problem, model, guess, solution.success))
                 if found[-1].stretch < 1 + 1e-6:
                     break
                 points = model.peaks(model.motion(model.speeds(guess)), points)

@@ -13,15 +13,14 @@ Transactions on Robotics 34(3), 2018.
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
+from toppra import algorithm, constraint
 
 from study import polynomial
 from study.curves import cubic_spline
-from study.errors import StudyError
 from study.judge import judge
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Demand, Floats, JointLimits, Problem
@@ -29,22 +28,6 @@ from study.trajectory import Trajectory
 
 UNLIMITED = 1e9
 """What stands for an infinite limit, in units of the joint's own scale: TOPP-RA needs finite numbers."""
-
-
-def toppra_module(part: str) -> Any:
-    """Import a part of TOPP-RA, or say how to get it.
-
-    Raises
-    ------
-    StudyError
-        If the package is not installed.
-    """
-    try:
-        return importlib.import_module(part)
-    except ImportError:
-        raise StudyError(
-            "planner 'toppra' needs the package 'toppra', which is not installed; install it with: pip install toppra"
-        ) from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,14 +90,7 @@ class _PathForToppra:
 
 
 def path_speeds(path: Path, limits: JointLimits, points: Floats) -> Floats | None:
-    """Largest path speed at every gridpoint, shape (n_gridpoints,); None where TOPP-RA finds none.
-
-    Raises
-    ------
-    StudyError
-        If the package is missing.
-    """
-    toppra, constraint = toppra_module("toppra.algorithm"), toppra_module("toppra.constraint")
+    """Largest path speed at every gridpoint, shape (n_gridpoints,); None where TOPP-RA finds none."""
     velocity = np.where(np.isfinite(limits.velocity), limits.velocity, UNLIMITED)
     acceleration = np.where(np.isfinite(limits.acceleration), limits.acceleration, UNLIMITED)
     wanted = [
@@ -122,7 +98,7 @@ def path_speeds(path: Path, limits: JointLimits, points: Floats) -> Floats | Non
         constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
     ]
     first, last = end_speeds(path, acceleration, points)
-    solver = toppra.TOPPRA(
+    solver = algorithm.TOPPRA(
         wanted, _PathForToppra(path, points[[1, -2]]), gridpoints=points[1:-1], solver_wrapper="seidel"
     )
     controllable = solver.compute_controllable_sets(0.0, last)
@@ -177,11 +153,6 @@ def retime(problem: Problem, per_segment: int) -> tuple[Trajectory, float] | Non
     trajectory : Trajectory
     stretch : float
         The factor, at least 1.
-
-    Raises
-    ------
-    StudyError
-        If the package is missing.
     """
     fresh = np.append(True, (np.diff(problem.waypoints, axis=0) != 0).any(axis=1))
     path = chord_path(problem.waypoints[fresh], problem.limits)
@@ -217,13 +188,7 @@ class Toppra:
     stochastic: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Retime the path; the settings do not matter.
-
-        Raises
-        ------
-        StudyError
-            If the package is missing.
-        """
+        """Retime the path; the settings do not matter."""
         if not np.isfinite(problem.limits.acceleration).any():
             return Plan(Status.NOT_APPLICABLE, message="no acceleration limit: the path speed could step")
         if not np.ptp(problem.waypoints, axis=0).any():

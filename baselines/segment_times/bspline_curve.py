@@ -21,8 +21,9 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.optimize import linprog
 
+from baselines.ipopt import ca
 from baselines.segment_times.critical_points import Critical, Slots, bends_of, is_root
-from baselines.segment_times.model import Rows, Scales, ca
+from baselines.segment_times.model import Rows, Scales
 from baselines.segment_times.polynomial_curves import shortest_of, slot_symbols, slot_values, stacked
 from study import polynomial
 from study.curves import bspline

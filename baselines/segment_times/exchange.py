@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
+from baselines.ipopt import Solution
 from baselines.segment_times.critical_points import Slots
 from baselines.segment_times.model import Family, Scales, model_of
-from study.deadline import IPOPT_LATE, noted
+from study.deadline import noted
 from study.problem import Floats, Problem
 
 EXACT = 1e-9
@@ -99,40 +98,36 @@ class Exchange:
         for _ in range(MAX_ROUNDS):
             if noted(time.perf_counter() > self.deadline):
                 return replace(best, message="the time limit was reached")
-            following, multipliers, stats = self._solve(best.x, multipliers)
-            last, best = best, self._judged(best, following, stats)
+            solution = self._solve(best.x, multipliers)
+            multipliers = solution.multipliers
+            last, best = best, self._judged(best, solution)
             if best.message or (best.excess <= EXACT and abs(best.total - last.total) <= EXACT * best.total):
                 break
         return best
 
-    def _judged(self, last: Optimum, x: Floats, stats: Mapping[str, Any]) -> Optimum:
+    def _judged(self, last: Optimum, solution: Solution) -> Optimum:
         """Take the solver's answer, find where it breaks the limits and prepare the next round."""
+        x = solution.x
         finite = bool(np.isfinite(x).all() and (self.family.durations(x, self.scales) > 0).all())
         return Optimum(
             x if finite else last.x,
             float(self.family.durations(x, self.scales).sum()) if finite else np.inf,
             self.offer(x) - 1 if finite else np.inf,
-            "" if stats["success"] and finite else f"IPOPT: {stats['return_status']}",
+            "" if solution.success and finite else f"IPOPT: {solution.status}",
             last.rounds + 1,
-            last.iterations + int(stats["iter_count"]),
+            last.iterations + solution.iterations,
             sum(int(slot.used.sum()) for slot in self.slots.values()),
         )
 
-    def _solve(self, x: Floats, multipliers: dict[str, Floats]) -> tuple[Floats, dict[str, Floats], Mapping[str, Any]]:
+    def _solve(self, x: Floats, multipliers: dict[str, Floats]) -> Solution:
         """Solve at the present points; a warm start can stall where a cold one does not."""
-        answer, stats = self._call(x, multipliers)
-        if not stats["success"] and multipliers:
-            answer, stats = self._call(x, {})
-        following = {"lam_x0": answer["lam_x"], "lam_g0": answer["lam_g"]}
-        return np.asarray(answer["x"], dtype=float).ravel(), following, stats
+        solution = self._call(x, multipliers)
+        return solution if solution.success or not multipliers else self._call(x, {})
 
-    def _call(self, x: Floats, multipliers: dict[str, Floats]) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+    def _call(self, x: Floats, multipliers: dict[str, Floats]) -> Solution:
         solver = self.model.warm if multipliers else self.model.cold
         lbx, ubx = self.family.variable_bounds(self.problem, self.scales)
         lbg, ubg = self.family.row_bounds(self.problem, self.slots, self.scales)
         p = self.family.parameters(self.problem, self.slots, self.scales)
         p = np.concatenate([p, x]) if self.model.rows.proximal else p
-        answer = solver(x0=x, p=p, lbx=lbx, ubx=ubx, lbg=lbg, ubg=ubg, **multipliers)
-        stats = solver.stats()
-        noted(stats["return_status"] == IPOPT_LATE)
-        return answer, stats
+        return solver.solve(x0=x, p=p, lbx=lbx, ubx=ubx, lbg=lbg, ubg=ubg, **multipliers)

@@ -7,22 +7,15 @@ built once for each family and shape and serves every problem and every exchange
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 
+from baselines.ipopt import Ipopt, alone
 from baselines.segment_times.critical_points import Critical, Slots
-from study.errors import StudyError
 from study.problem import Floats, Problem
-
-ca: Any = None
-with suppress(ImportError):  # said clearly by `require_casadi`, when it is needed
-    import casadi
-
-    ca = casadi
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +90,6 @@ class Family(Protocol):
 
 
 OPTIONS = {
-    "print_level": 0,
-    "sb": "yes",
     "linear_solver": "mumps",
     "mumps_mem_percent": 100,
     "tol": 1e-10,
@@ -123,46 +114,32 @@ WARM = {
 
 
 class Model:
-    """IPOPT solvers of one family and shape.
+    """IPOPT solvers of one family and shape."""
 
-    Raises
-    ------
-    StudyError
-        If CasADi is not installed.
-    """
-
+    @alone()
     def __init__(self, family: Family, time_limit: float) -> None:
-        require_casadi()
         self.rows = family.rows()
         self._limit = {"max_wall_time": time_limit}
         self._problem = {"x": self.rows.x, "p": self.rows.p, "f": self.rows.total, "g": self.rows.g}
 
     @cached_property
-    def cold(self) -> Any:
+    def cold(self) -> Ipopt:
         """Solver for a start from durations alone."""
         return self._solver(COLD)
 
     @cached_property
-    def warm(self) -> Any:
+    def warm(self) -> Ipopt:
         """Solver for a start from a solution with its multipliers."""
         return self._solver(WARM)
 
-    def _solver(self, more: dict[str, Any]) -> Any:
-        ipopt = OPTIONS | self._limit | more
-        return ca.nlpsol(
-            "segment_times", "ipopt", self._problem, {"ipopt": ipopt, "print_time": False, "error_on_fail": False}
-        )
-
-
-def require_casadi() -> None:
-    """Say clearly that CasADi is missing."""
-    if ca is None:
-        raise StudyError("the NLP baselines need the package casadi, which is not installed; run: pip install casadi")
+    def _solver(self, more: dict[str, Any]) -> Ipopt:
+        return Ipopt(self._problem, OPTIONS | self._limit | more)
 
 
 _MODELS: dict[tuple[Any, ...], Model] = {}
 
 
+@alone()
 def model_of(family: Family, time_limit: float) -> Model:
     """Build a family's model, or take the one built before."""
     key = (*family.key, time_limit)

@@ -16,7 +16,7 @@ import numpy as np
 
 from baselines.segment_times.bspline_curve import BSpline, velocity_bound
 from baselines.segment_times.exchange import Exchange, Optimum
-from baselines.segment_times.model import Family, Scales, require_casadi
+from baselines.segment_times.model import Family, Scales
 from baselines.segment_times.polynomial_curves import CubicSpline, Poly353, limited_orders
 from baselines.segment_times.starts import feasible, starts
 from study.curves import curve_named
@@ -104,9 +104,8 @@ def optimise(
     Raises
     ------
     StudyError
-        If the curve is unknown or does not fit the waypoints, or CasADi is missing.
+        If the curve is unknown or does not fit the waypoints.
     """
-    require_casadi()
     family, began = curve_named(curve), time.perf_counter()
     transcription = family_of(curve, problem)
     guesses = starts(problem, family, count, seed)
@@ -183,7 +182,7 @@ class CasadiNlp:
         Raises
         ------
         StudyError
-            If the curve is unknown or does not fit the waypoints, or CasADi is missing.
+            If the curve is unknown or does not fit the waypoints.
         """
         alone = settings.synchronisation is Synchronisation.PER_JOINT
         parts = [problem.joint(j) for j in range(problem.n_joints)] if alone else [problem]

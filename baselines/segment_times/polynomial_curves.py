@@ -7,8 +7,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from baselines.ipopt import ca
 from baselines.segment_times.critical_points import Critical, Slots, polynomial_critical
-from baselines.segment_times.model import Rows, Scales, ca
+from baselines.segment_times.model import Rows, Scales
 from study.curves import cubic_spline, cubic_spline_smooth, curve_named
 from study.errors import StudyError
 from study.problem import Floats, Problem

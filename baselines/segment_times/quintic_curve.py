@@ -11,8 +11,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from baselines.ipopt import ca
 from baselines.segment_times.critical_points import Critical, Slots, polynomial_critical
-from baselines.segment_times.model import Rows, Scales, ca
+from baselines.segment_times.model import Rows, Scales
 from baselines.segment_times.polynomial_curves import (
     flat,
     hermite_quintic,

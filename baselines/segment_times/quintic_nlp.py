@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from baselines.segment_times.exchange import Exchange, Optimum
-from baselines.segment_times.model import Scales, require_casadi
+from baselines.segment_times.model import Scales
 from baselines.segment_times.nlp import optimise
 from baselines.segment_times.polynomial_curves import limited_orders
 from baselines.segment_times.quintic_curve import FIRST_POINTS, Quintic
@@ -39,14 +39,7 @@ class QuinticNlp:
     stochastic: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Optimise durations, and velocities and accelerations at the waypoints, of all joints together.
-
-        Raises
-        ------
-        StudyError
-            If CasADi is missing.
-        """
-        require_casadi()
+        """Optimise durations, and velocities and accelerations at the waypoints, of all joints together."""
         began = time.perf_counter()
         narrower = [
             curve_named(name).motion(problem.waypoints, _optimal(problem, name, settings))

@@ -6,13 +6,13 @@ service and has no place in this project.
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+import ruckig
 
 from study.errors import StudyError
 from study.problem import Floats, JointLimits, Problem, usual_bounds
@@ -35,22 +35,6 @@ def at_rest(position: Floats) -> State:
     return State(position, np.zeros_like(position), np.zeros_like(position))
 
 
-def ruckig_module() -> Any:
-    """Import Ruckig, or say how to get it.
-
-    Raises
-    ------
-    StudyError
-        If the package is not installed.
-    """
-    try:
-        return importlib.import_module("ruckig")
-    except ImportError:
-        raise StudyError(
-            "the Ruckig planners need the package 'ruckig', which is not installed; install it with: pip install ruckig"
-        ) from None
-
-
 class Mover:
     """Minimum-time moves of all joints together between two states under fixed limits.
 
@@ -61,15 +45,9 @@ class Mover:
     ----------
     limits : JointLimits
         The range of positions is not used; the judge looks at it.
-
-    Raises
-    ------
-    StudyError
-        If the package is not installed.
     """
 
     def __init__(self, limits: JointLimits) -> None:
-        ruckig = ruckig_module()
         self._input = ruckig.InputParameter(limits.n_joints)
         self._output = ruckig.Trajectory(limits.n_joints)
         self._solver = ruckig.Ruckig(limits.n_joints)

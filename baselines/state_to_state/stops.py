@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from baselines.state_to_state.moves import at_rest, chain, in_own_time, ruckig_module
+from baselines.state_to_state.moves import at_rest, chain, in_own_time
 from study.errors import StudyError
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Demand, Problem
@@ -28,7 +28,7 @@ def ruckig_stops(problem: Problem) -> Trajectory:
     Raises
     ------
     StudyError
-        If the package is missing, no joint moves, or a joint that moves has no limit at all.
+        If no joint moves, or a joint that moves has no limit at all.
     """
     problem, unit = in_own_time(problem)
     return chain(problem, [at_rest(row) for row in problem.waypoints]).scaled(unit)
@@ -46,14 +46,7 @@ class RuckigStops:
     stochastic: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Move and stop, waypoint by waypoint; the settings do not matter.
-
-        Raises
-        ------
-        StudyError
-            If the package is missing.
-        """
-        ruckig_module()
+        """Move and stop, waypoint by waypoint; the settings do not matter."""
         if not np.ptp(problem.waypoints, axis=0).any():
             return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
         try:

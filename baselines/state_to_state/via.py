@@ -24,7 +24,7 @@ from scipy import sparse
 from scipy.optimize import linprog
 
 from baselines.free_path.nlp import free_path
-from baselines.state_to_state.moves import at_rest, chain, in_own_time, ruckig_module
+from baselines.state_to_state.moves import at_rest, chain, in_own_time
 from baselines.state_to_state.via_times import Model, Passing, Timing
 from study.deadline import noted
 from study.errors import StudyError
@@ -170,7 +170,7 @@ def ruckig_via(
     Raises
     ------
     StudyError
-        If Ruckig or CasADi is missing, no joint moves, or Ruckig finds no move from stop to stop.
+        If no joint moves, or Ruckig finds no move from stop to stop.
     """
     problem, unit = in_own_time(problem)
     found = [chain(problem, [at_rest(row) for row in problem.waypoints])]
@@ -207,14 +207,7 @@ class RuckigVia:
     stochastic: ClassVar[bool] = False
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Optimise within the settings' time limit.
-
-        Raises
-        ------
-        StudyError
-            If Ruckig or CasADi is missing.
-        """
-        ruckig_module()
+        """Optimise within the settings' time limit."""
         if not np.ptp(problem.waypoints, axis=0).any():
             return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
         try:

@@ -1,6 +1,5 @@
 """The free-path NLP: optimal where optima are known, better with more pieces, exact in every limit."""
 
-import sys
 from dataclasses import replace
 from functools import cache
 
@@ -11,7 +10,6 @@ from baselines.bounds.lower_bounds import lower_bound
 from baselines.closed_forms import three_limit_time, two_limit_time
 from baselines.free_path import nlp as free_path_nlp
 from baselines.free_path.nlp import FreePathNlp, free_path, surplus
-from baselines.free_path.transcription import casadi_module
 from baselines.segment_times.quintic_nlp import QUINTIC_NLP
 from baselines.state_to_state.stops import ruckig_stops
 from baselines.state_to_state.via import ruckig_via
@@ -116,12 +114,6 @@ def test_out_of_time_is_not_called_finished():
 def test_pieces_must_be_positive():
     with pytest.raises(StudyError, match="at least 1, got 0"):
         free_path(woodworking(), 0)
-
-
-def test_a_missing_package_is_one_clear_sentence(monkeypatch):
-    monkeypatch.setitem(sys.modules, "casadi", None)
-    with pytest.raises(StudyError, match="pip install casadi"):
-        casadi_module()
 
 
 @pytest.mark.parametrize(

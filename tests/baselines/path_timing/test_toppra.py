@@ -1,13 +1,11 @@
 """TOPP-RA: limits kept exactly, closed forms on a straight path, what it does not apply to."""
 
-import sys
-
 import numpy as np
 import pytest
 
 from baselines.closed_forms import two_limit_time
-from baselines.path_timing.toppra import Toppra, chord_path, compose, grid, retime, toppra_module
-from study import JointLimits, Problem, StudyError, judge
+from baselines.path_timing.toppra import Toppra, chord_path, compose, grid, retime
+from study import JointLimits, Problem, judge
 from study.curves import CURVES
 from study.planning import RunSettings, Status
 from study.trajectory import Trajectory
@@ -112,11 +110,3 @@ def test_one_joint_alone_may_dwell():
     motion = retime(problem, 200)[0]
     assert judge(problem, motion).feasible
     assert motion.waypoint_times[1] == motion.waypoint_times[2]
-
-
-def test_a_missing_package_is_one_clear_sentence(monkeypatch):
-    monkeypatch.setitem(sys.modules, "toppra.algorithm", None)
-    with pytest.raises(StudyError, match="pip install toppra"):
-        toppra_module("toppra.algorithm")
-    with pytest.raises(StudyError, match="pip install toppra"):
-        Toppra().plan(woodworking(), SETTINGS)

@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from baselines.segment_times import model as _transcription
 from baselines.segment_times.bspline_curve import velocity_bound
 from baselines.segment_times.critical_points import NEAR, Critical, Slots, polynomial_critical
-from baselines.segment_times.nlp import CASADI_NLP, CasadiNlp, optimise
+from baselines.segment_times.nlp import CASADI_NLP, optimise
 from baselines.segment_times.starts import starts
 from study import EndCondition, Problem, StudyError, judge
 from study.curves import CURVES
@@ -151,12 +150,6 @@ def test_wrong_words_are_answered() -> None:
         CASADI_NLP.plan(random_problem(0, 5, 2), RunSettings("poly353"))
     with pytest.raises(StudyError, match="no curve"):
         CASADI_NLP.plan(WOODWORKING, RunSettings("spline"))
-
-
-def test_missing_casadi_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_transcription, "ca", None)
-    with pytest.raises(StudyError, match="pip install casadi"):
-        CasadiNlp().plan(WOODWORKING, RunSettings("poly353"))
 
 
 def test_the_package_needs_no_casadi() -> None:

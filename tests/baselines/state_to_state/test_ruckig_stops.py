@@ -1,12 +1,10 @@
 """Ruckig from stop to stop: closed forms, each limit in turn, exactness."""
 
-import sys
-
 import numpy as np
 import pytest
 
 from baselines.closed_forms import rest_to_rest_time, three_limit_time, two_limit_time
-from baselines.state_to_state.moves import Mover, State, at_rest, ruckig_module
+from baselines.state_to_state.moves import Mover, State, at_rest
 from baselines.state_to_state.stops import RuckigStops, ruckig_stops
 from study import JointLimits, Problem, StudyError, judge
 from study.planning import RunSettings, Status
@@ -129,11 +127,3 @@ def test_the_plan():
     assert plan.status is Status.FINISHED
     assert plan.motion is not None
     assert plan.motion.duration == pytest.approx(4.07559, abs=5e-6)
-
-
-def test_a_missing_package_is_one_clear_sentence(monkeypatch):
-    monkeypatch.setitem(sys.modules, "ruckig", None)
-    with pytest.raises(StudyError, match="pip install ruckig"):
-        ruckig_module()
-    with pytest.raises(StudyError, match="pip install ruckig"):
-        RuckigStops().plan(woodworking(), SETTINGS)
