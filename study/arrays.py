@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -35,3 +37,40 @@ def frozen_array(values: ArrayLike, what: str) -> Floats:
         raise StudyError(f"{what} holds a value that is not a number (NaN) at position {where}; give a number there")
     array.setflags(write=False)
     return array
+
+
+def positive(value: object, what: str) -> float:
+    """Read one positive finite number.
+
+    Raises
+    ------
+    StudyError
+        If the value is anything else; true and false are no numbers.
+    """
+    number = frozen_array(value, what) if isinstance(value, int | float | np.number) else None  # type: ignore[arg-type]
+    if number is None or isinstance(value, bool) or not 0 < number < np.inf:
+        raise StudyError(f"{what} must be a positive number, got {value!r}")
+    return float(number)
+
+
+def check_kinds(part: object, kinds: Mapping[str, tuple[type, ...]], where: str) -> None:
+    """Refuse a field that holds another kind of object than it may.
+
+    Parameters
+    ----------
+    part : object
+    kinds : mapping of str to tuple of type
+        Name of a field: what it may hold.
+    where : str
+        How the message begins.
+
+    Raises
+    ------
+    StudyError
+        For the first field that holds anything else.
+    """
+    for name, allowed in kinds.items():
+        value = getattr(part, name)
+        if not isinstance(value, allowed):
+            words = " or ".join(kind.__name__ for kind in allowed if kind is not type(None))
+            raise StudyError(f"{where}: {name} must be a {words}, got {type(value).__name__} {str(value)[:40]!r}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from enum import Enum, StrEnum
+from enum import StrEnum
 
 
 class Demand(StrEnum):
@@ -28,14 +28,6 @@ class Demand(StrEnum):
 
 PLAIN = frozenset({Demand.VELOCITY, Demand.ACCELERATION, Demand.JERK, Demand.POSITION_RANGE})
 """Demands that a planner may try without knowing them: its motion may keep them by chance, and the judge sees to it."""
-
-
-class EndCondition(Enum):
-    """Conditions at the first and last instant."""
-
-    FREE = "may start and end in motion"
-    REST = "starts and ends at rest"
-    SMOOTH = "starts and ends at rest with zero acceleration"
 
 
 def refusal(demands: Iterable[Demand], knows: frozenset[Demand]) -> str:

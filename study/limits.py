@@ -120,3 +120,31 @@ class JointLimits:
             for order, name in enumerate(RATES, start=1)
         }
         return replace(self, **changes)
+
+
+def usual_bounds(waypoints: Floats, limits: JointLimits) -> tuple[float, float]:
+    """Choose a box of segment durations that suits any scale of waypoints and limits.
+
+    From stop to stop a joint takes no less than d/V, sqrt(4d/A) and cbrt(32d/J), and little more than their sum. The lower
+    bound is what no motion can beat, the shortest d/V of any segment, or a hundredth of the shortest stop to stop
+    where no velocity is limited; the upper bound is ten times the longest stop to stop.
+
+    Parameters
+    ----------
+    waypoints : array of shape (n_waypoints, n_joints), rad or m
+    limits : JointLimits
+
+    Returns
+    -------
+    tuple of two floats, s
+    """
+    steps = np.diff(waypoints, axis=0)
+    steps = steps[steps.any(axis=1)]
+    if not len(steps):
+        return 1e-3, 10.0
+    at_full_speed = np.maximum(steps / limits.velocity, steps / limits.min_velocity).max(axis=1)
+    moved = np.abs(steps)
+    each = [at_full_speed, np.sqrt(4 * moved / limits.rates[1]).max(axis=1)]
+    stops = np.sum([*each, np.cbrt(32 * moved / limits.rates[2]).max(axis=1)], axis=0)
+    lower = float(at_full_speed.min() or 0.01 * stops.min() or 1e-3)
+    return lower, 10 * max(float(stops.max()), lower)

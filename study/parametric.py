@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from study import polynomial
 from study.errors import StudyError
 from study.problem import Floats, frozen_array
-from study.trajectory import Extrema
+from study.trajectory import Extrema, window
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,12 +38,14 @@ class ParametricTrajectory:
     def __post_init__(self) -> None:
         for name in ("time", "position"):
             object.__setattr__(self, name, frozen_array(getattr(self, name), f"parametric trajectory: {name}"))
+            if not np.isfinite(getattr(self, name)).all():
+                raise StudyError(f"parametric trajectory: {name} must be finite")
         if self.time.ndim != 2 or self.position.ndim != 3 or len(self.time) != len(self.position):
             raise StudyError(
                 "parametric trajectory: time and position need one row of coefficients per piece, "
                 f"got {self.time.shape} and {self.position.shape}"
             )
-        if (polynomial.extrema(polynomial.derivative(self.time))[0] <= 0).any():
+        if not (polynomial.extrema(polynomial.derivative(self.time))[0] > 0).all():
             raise StudyError("parametric trajectory: t(u) must increase strictly; the durations are too uneven")
 
     @property
@@ -74,13 +76,17 @@ class ParametricTrajectory:
         """Position or its derivative of the given order, shape (n_times, n_joints); times are clipped to the motion."""
         times = np.clip(np.atleast_1d(np.asarray(t, dtype=float)), 0.0, self.duration)
         piece = np.clip(np.searchsorted(self.knots, times, side="right") - 1, 0, len(self.time) - 1)
-        shifted = self.time[piece].copy()
-        shifted[:, 0] -= times + self.time[0, 0]
-        candidates = np.pad(polynomial.roots(shifted), ((0, 0), (1, 1)), constant_values=((0, 0), (0, 1)))
-        errors = np.abs(polynomial.value(shifted[:, None, :], candidates))
-        u = np.take_along_axis(candidates, errors.argmin(axis=1, keepdims=True), 1)
+        u = self._parameters(times, piece)
         over, under = self.rate(order)
         return polynomial.value(over[piece], u) / polynomial.value(under[piece], u)
+
+    def _parameters(self, times: Floats, piece: NDArray[np.intp]) -> Floats:
+        """Parameter u of every time within its piece, shape (n_times, 1)."""
+        late = self.time[piece].copy()
+        late[:, 0] -= times + self.time[0, 0]
+        candidates = np.pad(polynomial.roots(late), ((0, 0), (1, 1)), constant_values=((0, 0), (0, 1)))
+        errors = np.abs(polynomial.value(late[:, None, :], candidates))
+        return np.take_along_axis(candidates, errors.argmin(axis=1, keepdims=True), 1)
 
     def extrema(self, order: int = 0) -> Extrema:
         """Exact extrema of the derivative of the given order over the whole motion."""
@@ -111,6 +117,31 @@ class ParametricTrajectory:
     def joints(self, indices: list[int]) -> ParametricTrajectory:
         """Keep some of the joints."""
         return replace(self, position=self.position[:, :, indices])
+
+    def between(self, start: float, stop: float) -> ParametricTrajectory:
+        """Part of the motion between two times, s, as a motion of its own that starts at 0."""
+        start, stop, first, last = window(self.knots, start, stop)
+        time, position = self.time[first:last].copy(), np.moveaxis(self.position[first:last], 1, 2).copy()
+        ends = np.array([start, stop])
+        inside = self._parameters(ends, np.array([first, last - 1]))[:, 0]
+        low, high = np.where(ends == self.knots[[first, last]], [0.0, 1.0], inside)
+        for pieces in (time, position):
+            pieces[0] = polynomial.clipped(pieces[0], low, high if len(time) == 1 else 1.0)
+            if len(time) > 1:
+                pieces[-1] = polynomial.clipped(pieces[-1], 0.0, high)
+        return ParametricTrajectory(time, np.moveaxis(position, 2, 1))
+
+    def mapped(self, matrix: Floats, offset: Floats) -> ParametricTrajectory:
+        """Image under an affine map: matrix of shape (n_images, n_joints), offset of shape (n_images,)."""
+        position = self.position @ matrix.T
+        position[:, 0] += offset
+        return replace(self, position=position)
+
+    def crossings(self, levels: Floats) -> Floats:
+        """Times, s, that include every instant at which a joint passes its level; levels of shape (n_joints,)."""
+        unit = np.moveaxis(self.position, 1, 2).copy()
+        unit[:, :, 0] -= levels
+        return np.unique(polynomial.value(self.time[:, None, None, :], polynomial.roots(unit))) - self.time[0, 0]
 
 
 def rational_rate(time: Floats, position: Floats, order: int) -> tuple[Floats, Floats]:

@@ -35,6 +35,32 @@ def product(a: Floats, b: Floats) -> Floats:
     return result
 
 
+def shifted(coefficients: Floats, u: Floats | float) -> Floats:
+    """Move the origin to u: the result at v is the polynomial at u + v; u broadcasts against the leading axes."""
+    result = coefficients.copy()
+    degree = result.shape[-1] - 1
+    for first in range(degree):
+        for k in reversed(range(first, degree)):
+            result[..., k] += u * result[..., k + 1]
+    return result
+
+
+def stretched(coefficients: Floats, width: Floats | float) -> Floats:
+    """Measure the argument in a new unit: the result at v is the polynomial at width * v.
+
+    A power is never formed by itself: it could vanish although its product with the coefficient does not.
+    """
+    result = coefficients.copy()
+    for first in range(1, result.shape[-1]):
+        result[..., first:] *= width if np.ndim(width) == 0 else np.asarray(width)[..., None]
+    return result
+
+
+def clipped(coefficients: Floats, start: float, stop: float) -> Floats:
+    """Take the part between start and stop, over [0, 1] again."""
+    return stretched(shifted(coefficients, start), stop - start)
+
+
 def roots(coefficients: Floats) -> Floats:
     """Find all real roots in [0, 1].
 
@@ -56,9 +82,16 @@ def roots(coefficients: Floats) -> Floats:
     with np.errstate(all="ignore"):
         if degree == 0:
             return np.zeros((*coefficients.shape[:-1], 0))
+        sized = _sized(coefficients)
         if degree <= 2:
-            return np.stack(roots_of_terms(tuple(np.moveaxis(coefficients, -1, 0))), axis=-1)
-        return _bracketed_roots(coefficients)
+            return np.stack(roots_of_terms(tuple(np.moveaxis(sized, -1, 0))), axis=-1)
+        return _bracketed_roots(sized)
+
+
+def _sized(coefficients: Floats) -> Floats:
+    """Bring every polynomial to the size of 1 by a power of two, so that no product overflows or vanishes."""
+    _, exponent = np.frexp(np.abs(coefficients).max(axis=-1, keepdims=True))
+    return np.ldexp(coefficients, -exponent)
 
 
 def _unit(u: Floats) -> Floats:

@@ -1,50 +1,38 @@
-"""The question put to every planner: waypoints, joint limits and end conditions."""
+"""The question put to every planner: waypoints, limits, and everything else that a motion through them must do."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from study.arrays import Floats, frozen_array
-from study.demands import Demand, EndCondition
+from study.arrays import Floats, check_kinds, frozen_array, positive
+from study.demands import Demand
 from study.errors import StudyError
-from study.limits import OPTIONAL, JointLimits
+from study.limits import OPTIONAL, JointLimits, usual_bounds
+from study.rules import EndCondition, PathRule, State, StraightPath, Timing, Tube, radii
+from study.tolerances import TOLERANCE, floors
 
-__all__ = ["Demand", "EndCondition", "Floats", "JointLimits", "Problem", "frozen_array", "usual_bounds"]
-
-
-def usual_bounds(waypoints: Floats, limits: JointLimits) -> tuple[float, float]:
-    """Choose a box of segment durations that suits any scale of waypoints and limits.
-
-    From stop to stop a joint takes no less than d/V, sqrt(4d/A) and cbrt(32d/J), and little more than their sum. The lower
-    bound is what no motion can beat, the shortest d/V of any segment, or a hundredth of the shortest stop to stop
-    where no velocity is limited; the upper bound is ten times the longest stop to stop.
-
-    Parameters
-    ----------
-    waypoints : array of shape (n_waypoints, n_joints), rad or m
-    limits : JointLimits
-
-    Returns
-    -------
-    tuple of two floats, s
-    """
-    steps = np.abs(np.diff(waypoints, axis=0))
-    moved = steps[(steps > 0).any(axis=1)]
-    if not len(moved):
-        return 1e-3, 10.0
-    at_full_speed = (moved / limits.velocity).max(axis=1)
-    each = [at_full_speed, np.sqrt(4 * moved / limits.acceleration).max(axis=1)]
-    stops = np.sum([*each, np.cbrt(32 * moved / limits.jerk).max(axis=1)], axis=0)
-    lower = float(at_full_speed.min() or 0.01 * stops.min() or 1e-3)
-    return lower, 10 * max(float(stops.max()), lower)
+__all__ = [
+    "Demand",
+    "EndCondition",
+    "Floats",
+    "JointLimits",
+    "Problem",
+    "State",
+    "StraightPath",
+    "Timing",
+    "Tube",
+    "frozen_array",
+    "usual_bounds",
+]
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Pass through waypoints in order, as fast as the joint limits allow.
+    """Pass through waypoints in order, as fast as the demands allow.
 
     Parameters
     ----------
@@ -52,7 +40,7 @@ class Problem:
     waypoints : array of shape (n_waypoints, n_joints), rad or m
     limits : JointLimits
     end : EndCondition
-        What the judge demands of the first and last instant.
+        Condition at both ends, where `start` and `finish` say nothing else.
     duration_bounds : tuple of two floats, s, optional
         The box (lower, upper) in which segment-time searches look; the lower bound also holds for
         deterministic segment-time methods. The judge does not use it. Without it, `usual_bounds` of the waypoints and
@@ -60,12 +48,25 @@ class Problem:
     allow_dwell : bool
         Whether neighbouring waypoints may be equal, as they may when one joint is taken alone.
     joint_names : tuple of str, optional
+    start, finish : State or EndCondition, optional
+        Rates at the first and at the last instant.
+    stops : sequence of int, optional
+        Inner waypoints, counted from 0, at which the velocity is zero.
+    dwells : mapping of int to float, s, optional
+        Inner waypoints at which the arm stands still for at least so long from its arrival on.
+    segment_limits : mapping of int to JointLimits, optional
+        Limits that hold on single segments, counted from 0, besides `limits`.
+    tolerance : float, array of shape (n_waypoints,) or (n_waypoints, n_joints), rad or m, optional
+        Distance at which a waypoint may be passed. Always allowed are one part in a million of the joint's span and a
+        nanometre or nanoradian; see `study.tolerances`.
+    path : StraightPath or Tube, optional
+        Where the path between waypoints must run; by default it is free.
+    timing : Timing, optional
 
     Raises
     ------
     StudyError
-        If the waypoints are not a table of at least two distinct neighbouring rows of finite numbers that
-        matches the limits, or the duration bounds are not 0 <= lower < upper.
+        If a part has another type or shape than stated, neighbouring waypoints are equal, or demands contradict each other.
     """
 
     name: str
@@ -75,51 +76,126 @@ class Problem:
     duration_bounds: tuple[float, float] = OPTIONAL
     allow_dwell: bool = False
     joint_names: Sequence[str] = ()
+    start: State | EndCondition | None = None
+    finish: State | EndCondition | None = None
+    stops: Sequence[int] = ()
+    dwells: Mapping[int, float] = OPTIONAL
+    segment_limits: Mapping[int, JointLimits] = OPTIONAL
+    tolerance: Floats = OPTIONAL
+    path: PathRule | None = None
+    timing: Timing | None = None
 
     def __post_init__(self) -> None:
-        where = f"case {self.name!r}"
-        points = frozen_array(self.waypoints, f"{where}: waypoints")
-        object.__setattr__(self, "waypoints", points)
-        n_joints = self.limits.n_joints
+        check_kinds(self, _KINDS, self._where)
+        self._take_waypoints()
+        self._check_positions()
+        self._take_names_and_bounds()
+        self._take_ends()
+        self._take_passages()
+        if self.path is not None:
+            self.path.of(self.n_joints)
+
+    @property
+    def _where(self) -> str:
+        return f"case {self.name!r}"
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    def _take_waypoints(self) -> None:
+        points, n_joints = frozen_array(self.waypoints, f"{self._where}: waypoints"), self.limits.n_joints
+        self._set("waypoints", points)
         if points.ndim != 2 or points.shape[1] != n_joints or len(points) < 2:
             raise StudyError(
-                f"{where}: waypoints must have shape (n_waypoints >= 2, {n_joints}) to match the limits, got {points.shape}"
+                f"{self._where}: waypoints must have shape (n_waypoints >= 2, {n_joints}) to match the limits, "
+                f"got {points.shape}"
             )
         if not np.isfinite(points).all():
             row = int(np.argmax(~np.isfinite(points).all(axis=1)))
-            raise StudyError(f"{where}: waypoint {row + 1} holds an infinite value; give finite numbers")
+            raise StudyError(f"{self._where}: waypoint {row + 1} holds an infinite value; give finite numbers")
         if not np.isfinite(self.limits.rates).any() and not self.allow_dwell:
             raise StudyError(
-                f"{where}: no joint has a finite limit, so there is no shortest time; give a velocity limit"
+                f"{self._where}: no joint has a finite limit, so there is no shortest time; give a velocity limit"
             )
-        self._check_neighbours(where)
-        self._check_positions(where)
-        if self.duration_bounds is None:
-            object.__setattr__(self, "duration_bounds", usual_bounds(points, self.limits))
-        lower, upper = self.duration_bounds
-        if not 0 <= lower < upper < np.inf:
-            raise StudyError(f"{where}: duration bounds must satisfy 0 <= lower < upper, got ({lower:g}, {upper:g}) s")
-        names = tuple(self.joint_names) or tuple(f"joint {j + 1}" for j in range(n_joints))
-        if len(names) != n_joints:
-            raise StudyError(f"{where}: {len(names)} joint names for {n_joints} joints")
-        object.__setattr__(self, "joint_names", names)
-
-    def _check_neighbours(self, where: str) -> None:
-        repeated = (self.waypoints[1:] == self.waypoints[:-1]).all(axis=1)
+        repeated = (points[1:] == points[:-1]).all(axis=1)
         if repeated.any() and not self.allow_dwell:
             row = int(np.argmax(repeated)) + 1
             raise StudyError(
-                f"{where}: waypoints {row} and {row + 1} are equal, so the segment between them has no length; remove one"
+                f"{self._where}: waypoints {row} and {row + 1} are equal, so the segment between them has no length; "
+                "remove one"
             )
 
-    def _check_positions(self, where: str) -> None:
+    def _check_positions(self) -> None:
         outside = (self.waypoints < self.limits.lower) | (self.waypoints > self.limits.upper)
         if outside.any():
             row, joint = np.argwhere(outside)[0]
             raise StudyError(
-                f"{where}: waypoint {row + 1} puts joint {joint + 1} at {self.waypoints[row, joint]:g}, outside its range "
-                f"[{self.limits.lower[joint]:g}, {self.limits.upper[joint]:g}]"
+                f"{self._where}: waypoint {row + 1} puts joint {joint + 1} at {self.waypoints[row, joint]:g}, outside its "
+                f"range [{self.limits.lower[joint]:g}, {self.limits.upper[joint]:g}]"
             )
+
+    def _take_names_and_bounds(self) -> None:
+        if self.duration_bounds is None:
+            self._set("duration_bounds", usual_bounds(self.waypoints, self.limits))
+        bounds = frozen_array(self.duration_bounds, f"{self._where}: duration bounds")
+        if bounds.shape != (2,) or not 0 <= bounds[0] < bounds[1] < np.inf:
+            got = ", ".join(f"{bound:g}" for bound in bounds.ravel())
+            raise StudyError(f"{self._where}: duration bounds must satisfy 0 <= lower < upper, got ({got}) s")
+        self._set("duration_bounds", tuple(self.duration_bounds))
+        names = tuple(self.joint_names) or tuple(f"joint {j + 1}" for j in range(self.n_joints))
+        if len(names) != self.n_joints or isinstance(self.joint_names, str):
+            raise StudyError(
+                f"{self._where}: {len(names)} joint names for {self.n_joints} joints; give a list with one for each"
+            )
+        self._set("joint_names", names)
+
+    def _take_ends(self) -> None:
+        for state in self.end_states:
+            state.check(self.limits, self._where)
+        plain = {state.condition for state in self.end_states}
+        if len(plain) == 1 and None not in plain:
+            self._set("end", plain.pop())
+            self._set("start", None)
+            self._set("finish", None)
+
+    def _take_passages(self) -> None:
+        inner, segments = range(1, self.n_waypoints - 1), range(self.n_segments)
+        self._set("stops", tuple(sorted({self._index(k, inner, "stop", "inner waypoints") for k in self.stops})))
+        self._set(
+            "dwells",
+            {
+                self._index(k, inner, "dwell", "inner waypoints"): positive(
+                    time, f"{self._where}: dwell at waypoint {k}"
+                )
+                for k, time in (self.dwells or {}).items()
+            },
+        )
+        self._set(
+            "segment_limits",
+            {
+                self._index(k, segments, "segment limit", "segments"): self._limits_of_segment(k, limits)
+                for k, limits in (self.segment_limits or {}).items()
+            },
+        )
+        tolerance = 0.0 if self.tolerance is None else self.tolerance
+        self._set("tolerance", radii(tolerance, self.n_waypoints, self.n_joints, self._where))
+
+    def _index(self, index: int, allowed: range, what: str, of: str) -> int:
+        if isinstance(index, bool) or not isinstance(index, int | np.integer) or index not in allowed:
+            raise StudyError(
+                f"{self._where}: {what} {index!r} is none of the {of}, which are {list(allowed) or 'none'}"
+            )
+        return int(index)
+
+    def _limits_of_segment(self, segment: int, limits: JointLimits) -> JointLimits:
+        if not isinstance(limits, JointLimits) or limits.n_joints != self.n_joints:
+            raise StudyError(
+                f"{self._where}: limits of segment {segment} must be JointLimits of {self.n_joints} joints"
+            )
+        ends = self.waypoints[segment : segment + 2]
+        if ((ends < limits.lower) | (ends > limits.upper)).any():
+            raise StudyError(f"{self._where}: segment {segment} ends outside its own range of positions")
+        return limits
 
     @property
     def n_joints(self) -> int:
@@ -137,17 +213,31 @@ class Problem:
         return len(self.waypoints) - 1
 
     @property
+    def moving(self) -> NDArray[np.bool_]:
+        """Whether each joint moves, shape (n_joints,): its waypoints span more than the floor of `study.tolerances`."""
+        return np.ptp(self.waypoints, axis=0) > floors(self.waypoints)
+
+    @property
+    def position_tolerance(self) -> Floats:
+        """Distance that counts as rounding in a position, shape (n_joints,), rad or m."""
+        return np.maximum(TOLERANCE * np.ptp(self.waypoints, axis=0), floors(self.waypoints))
+
+    @property
+    def end_states(self) -> tuple[State, State]:
+        """Rates demanded at the first and at the last instant."""
+        given = [self.end if state is None else state for state in (self.start, self.finish)]
+        first, last = (State.under(s, self.n_joints) if isinstance(s, EndCondition) else s for s in given)
+        return first, last
+
+    @property
+    def scalable(self) -> bool:
+        """Whether a slower run of a motion still meets the demands at its ends: their rates are zero or free."""
+        return not any(state.moving for state in self.end_states)
+
+    @property
     def demands(self) -> frozenset[Demand]:
         """Everything that the problem asks of a motion beyond passing the waypoints."""
-        limits = self.limits
-        asked = {
-            Demand.VELOCITY: np.isfinite(limits.velocity).any(),
-            Demand.ACCELERATION: np.isfinite(limits.acceleration).any(),
-            Demand.JERK: np.isfinite(limits.jerk).any(),
-            Demand.POSITION_RANGE: np.isfinite([limits.lower, limits.upper]).any(),
-            Demand.DIRECTIONAL_LIMITS: not limits.symmetric,
-        }
-        return frozenset(demand for demand, holds in asked.items() if holds)
+        return frozenset(demand for demand, holds in _asked(self) if holds)
 
     def joint(self, index: int) -> Problem:
         """Take the problem of one joint alone; its neighbouring waypoints may then be equal."""
@@ -158,4 +248,53 @@ class Problem:
             limits=self.limits.joint(index),
             joint_names=(self.joint_names[index],),
             allow_dwell=True,
+            start=_alone(self.start, index),
+            finish=_alone(self.finish, index),
+            segment_limits={k: limits.joint(index) for k, limits in self.segment_limits.items()},
+            tolerance=self.tolerance[:, index : index + 1],
+            path=None if self.path is None else self.path.joint(index),
         )
+
+    def at_speed(self, share: float) -> Problem:
+        """Take limits under which every motion runs at this share of its speed: `JointLimits.scaled(1 / share)`."""
+        factor = 1.0 / positive(share, f"{self._where}: speed")
+        slower = {k: limits.scaled(factor) for k, limits in self.segment_limits.items()}
+        low, high = self.duration_bounds
+        bounds = (low * factor, high * factor)
+        return replace(self, limits=self.limits.scaled(factor), segment_limits=slower, duration_bounds=bounds)
+
+
+_KINDS: dict[str, tuple[type, ...]] = {
+    "limits": (JointLimits,),
+    "end": (EndCondition,),
+    "start": (State, EndCondition, type(None)),
+    "finish": (State, EndCondition, type(None)),
+    "dwells": (Mapping, type(None)),
+    "segment_limits": (Mapping, type(None)),
+    "path": (StraightPath, Tube, type(None)),
+    "timing": (Timing, type(None)),
+}
+
+
+def _alone(state: State | EndCondition | None, index: int) -> State | EndCondition | None:
+    return state.joint(index) if isinstance(state, State) else state
+
+
+def _asked(problem: Problem) -> list[tuple[Demand, bool]]:
+    robot, timing = problem.limits, problem.timing or Timing()
+    finite: list[bool] = list(np.isfinite(robot.rates).any(axis=1))
+    return [
+        *zip((Demand.VELOCITY, Demand.ACCELERATION, Demand.JERK), finite, strict=True),
+        (Demand.POSITION_RANGE, bool(np.isfinite([robot.lower, robot.upper]).any())),
+        (Demand.DIRECTIONAL_LIMITS, not all(bounds.symmetric for bounds in (robot, *problem.segment_limits.values()))),
+        (Demand.SEGMENT_LIMITS, bool(problem.segment_limits)),
+        (Demand.MOVING_ENDS, not problem.scalable),
+        (Demand.DIFFERENT_ENDS, problem.scalable and (problem.start is not None or problem.finish is not None)),
+        (Demand.STOPS, bool(problem.stops)),
+        (Demand.DWELLS, bool(problem.dwells)),
+        (Demand.TOLERANCE, bool(problem.tolerance.any())),
+        (Demand.STRAIGHT_PATH, isinstance(problem.path, StraightPath)),
+        (Demand.TUBE, isinstance(problem.path, Tube)),
+        (Demand.DURATION, timing.exactly is not None or timing.at_least is not None),
+        (Demand.CYCLE, timing.cycle is not None),
+    ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,6 +32,7 @@ class Extrema(NamedTuple):
         return np.where(-self.lowest > self.highest, self.at_lowest, self.at_highest)
 
 
+@runtime_checkable
 class Motion(Protocol):
     """What the judge, the report and the recording need to know of a motion."""
 
@@ -65,6 +66,39 @@ class Motion(Protocol):
 
     def joints(self, indices: list[int]) -> Motion:
         """Keep some of the joints."""
+
+    def between(self, start: float, stop: float) -> Motion:
+        """Part of the motion between two times, s, as a motion of its own that starts at 0."""
+
+    def mapped(self, matrix: Floats, offset: Floats) -> Motion:
+        """Image under an affine map: matrix of shape (n_images, n_joints), offset of shape (n_images,)."""
+
+    def crossings(self, levels: Floats) -> Floats:
+        """Times, s, that include every instant at which a joint passes its level; levels of shape (n_joints,)."""
+
+
+def window(knots: Floats, start: float, stop: float) -> tuple[float, float, int, int]:
+    """Snap a part of a motion to knots that differ from its ends by rounding only, and find the pieces that it touches.
+
+    Returns
+    -------
+    start, stop : float, s
+    first, last : int
+        The pieces are `first` to `last - 1`.
+
+    Raises
+    ------
+    StudyError
+        If the part is empty or leaves the motion.
+    """
+    near = [float(knots[np.abs(knots - t).argmin()]) for t in (start, stop)]
+    rounding = 1e-12 * knots[-1]
+    begin, end = (k if abs(k - t) <= rounding else float(t) for k, t in zip(near, (start, stop), strict=True))
+    if begin >= end:
+        begin, end = start, stop
+    if not 0 <= begin < end <= knots[-1]:
+        raise StudyError(f"a part of a motion of {knots[-1]:g} s cannot run from {start:g} to {stop:g} s")
+    return begin, end, int(np.searchsorted(knots, begin, side="right")) - 1, int(np.searchsorted(knots, end))
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,8 +185,7 @@ class Trajectory:
     def extrema(self, order: int = 0) -> Extrema:
         """Exact extrema of the derivative of the given order over the whole motion."""
         widths = np.diff(self.knots)
-        local = np.moveaxis(self._coefficients(order), 1, 2)
-        unit = local * widths[:, None, None] ** np.arange(local.shape[2])
+        unit = polynomial.stretched(np.moveaxis(self._coefficients(order), 1, 2), widths[:, None])
         lowest, at_lowest, highest, at_highest = polynomial.extrema(unit)
         columns = np.arange(self.n_joints)
         low, high = lowest.argmin(axis=0), highest.argmax(axis=0)
@@ -177,3 +210,24 @@ class Trajectory:
     def joints(self, indices: list[int]) -> Trajectory:
         """Keep some of the joints."""
         return replace(self, coefficients=self.coefficients[:, :, indices])
+
+    def between(self, start: float, stop: float) -> Trajectory:
+        """Part of the motion between two times, s, as a motion of its own that starts at 0."""
+        start, stop, first, last = window(self.knots, start, stop)
+        pieces = np.moveaxis(self.coefficients[first:last], 1, 2).copy()
+        pieces[0] = polynomial.shifted(pieces[0], start - self.knots[first])
+        knots = np.concatenate([[start], self.knots[first + 1 : last], [stop]]) - start
+        return Trajectory(knots, np.moveaxis(pieces, 2, 1), knots[[0, -1]])
+
+    def mapped(self, matrix: Floats, offset: Floats) -> Trajectory:
+        """Image under an affine map: matrix of shape (n_images, n_joints), offset of shape (n_images,)."""
+        coefficients = self.coefficients @ matrix.T
+        coefficients[:, 0] += offset
+        return replace(self, coefficients=coefficients)
+
+    def crossings(self, levels: Floats) -> Floats:
+        """Times, s, that include every instant at which a joint passes its level; levels of shape (n_joints,)."""
+        widths = np.diff(self.knots)
+        unit = polynomial.stretched(np.moveaxis(self.coefficients, 1, 2), widths[:, None])
+        unit[:, :, 0] -= levels
+        return np.unique(self.knots[:-1, None, None] + polynomial.roots(unit) * widths[:, None, None])

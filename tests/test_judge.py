@@ -240,3 +240,29 @@ def test_a_planner_declines_what_it_does_not_know():
     assert demands == PLAIN | {Demand.DIRECTIONAL_LIMITS}
     assert refusal(demands, frozenset({Demand.VELOCITY})).startswith("the planner does not know limits that differ")
     assert refusal(demands, frozenset({Demand.DIRECTIONAL_LIMITS})) == ""
+
+
+def test_no_step_of_rounding_is_a_fault():
+    still = np.zeros((2, 2, 2))
+    still[:, :, 0], still[:, 0, 1] = [[0, 1], [1, 1]], [0.7, 0.7 + 3e-15]
+    motion = Trajectory(np.array([0.0, 1.0, 2.0]), still, np.array([0.0, 1.0, 2.0]))
+    line = Problem("p", [[0, 0.7], [1, 0.7], [2, 0.7]], JointLimits([2.0, 2.0]), EndCondition.FREE)
+    assert judge(line, motion).feasible
+    still[1, 0, 1] = 0.7 + 3e-9
+    reasons = judge(line, Trajectory(motion.knots, still, motion.waypoint_times)).reasons
+    assert "position of joint 2 jumps by 3e-09 at a knot" in reasons
+
+
+def test_a_coefficient_whose_power_of_time_vanishes_still_counts():
+    coefficients = np.zeros((2, 4, 1))
+    coefficients[0, :, 0] = [0, 0, 0, 1e306]
+    coefficients[1, :, 0] = [1e-3, 1, 0, 0]
+    width = 1e-103  # its cube is a denormal number, its product with the coefficient a millimetre
+    motion = Trajectory(np.array([0, width, 1.0]), coefficients, np.array([0.0, 1.0]))
+    assert motion.extrema().highest[0] == pytest.approx(1e-3 + 1)
+    assert motion.between(0, width).extrema().highest[0] == pytest.approx(1e-3, rel=1e-9)
+
+
+def test_no_motion_is_one_sentence():
+    with pytest.raises(StudyError, match="there is no motion to judge, but a NoneType"):
+        judge(problem(), None)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from study import EndCondition, JointLimits, Problem, StudyError
+from study.problem import State, StraightPath, Timing, Tube
 
 POINTS = [[0.0, 0.0], [1.0, 2.0], [2.0, 1.0]]
 
@@ -90,3 +91,95 @@ def test_one_joint_alone_may_dwell():
 def test_scaled_limits():
     found = limits(jerk=[8.0, 16.0]).scaled(2.0)
     assert found.rates.tolist() == [[0.5, 1], [0.75, 1], [1, 2]]
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"limits": None}, "limits must be a JointLimits, got NoneType"),
+        ({"limits": {"velocity": [1, 1]}}, "limits must be a JointLimits, got dict"),
+        ({"end": "rest"}, "end must be a EndCondition, got str 'rest'"),
+        ({"duration_bounds": "ab"}, "duration bounds must be a rectangular table of numbers"),
+        ({"duration_bounds": (1, 2, 3)}, r"duration bounds must satisfy 0 <= lower < upper, got \(1, 2, 3\)"),
+        ({"duration_bounds": (0.0, np.nan)}, "duration bounds holds a value that is not a number"),
+        ({"joint_names": "ab"}, "2 joint names for 2 joints; give a list"),
+        ({"waypoints": np.ma.masked_less(POINTS, 0.5)}, "waypoints holds a masked entry"),
+        ({"waypoints": None}, "waypoints"),
+        ({"start": "rest"}, "start must be a State or EndCondition"),
+        ({"start": State([1.0])}, "end velocity must have one number for each of 2 joints, got 1"),
+        ({"finish": State([1.5, 0.0])}, "end velocity of joint 1, 1.5, is beyond its limit"),
+        ({"stops": [2]}, r"stop 2 is none of the inner waypoints, which are \[1\]"),
+        ({"stops": [True]}, "stop True is none"),
+        ({"dwells": [1]}, "dwells must be a Mapping"),
+        ({"dwells": {1: -1.0}}, "dwell at waypoint 1 must be a positive number, got -1.0"),
+        ({"segment_limits": {2: None}}, "segment limit 2 is none of the segments"),
+        ({"segment_limits": {0: None}}, "limits of segment 0 must be JointLimits of 2 joints"),
+        ({"segment_limits": {0: JointLimits([1, 1], upper=[0.5, 9])}}, "segment 0 ends outside its own range"),
+        ({"tolerance": [0.1]}, "tolerance must be one number, one for each of 3 waypoints, or a table"),
+        ({"tolerance": -0.1}, "tolerance must hold finite numbers that are not negative"),
+        ({"path": "straight"}, "path must be a StraightPath or Tube, got str"),
+        ({"path": Tube([0.1, 0.1, 0.1])}, "radius of a Tube must have one number for each of 2 joints, got 3"),
+        ({"timing": 3.0}, "timing must be a Timing, got float"),
+    ],
+)
+def test_a_part_of_another_kind_is_refused_with_one_sentence(changes, sentence):
+    with pytest.raises(StudyError, match=sentence) as refused:
+        Problem(**({"name": "p", "waypoints": POINTS, "limits": limits()} | changes))
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: Tube(), "the radius of a Tube must be positive"),
+        (lambda: Tube(-1.0), "not negative"),
+        (lambda: StraightPath(np.inf), "not negative"),
+        (lambda: Timing(cycle=0), "timing: cycle must be a positive number, got 0"),
+        (lambda: Timing(exactly="soon"), "timing: exactly must be a positive number, got 'soon'"),
+        (lambda: State([np.inf]), "velocity must be a list with one finite number per joint"),
+        (lambda: State(1.0), "velocity must be a list with one finite number per joint"),
+        (lambda: JointLimits(None), "velocity limits must be a list with one number per joint"),
+        (lambda: limits(min_velocity=[0.0, -1.0]), "min_velocity limit of joint 1 must be negative, got 0"),
+    ],
+)
+def test_a_rule_that_cannot_be_is_refused(make, sentence):
+    with pytest.raises(StudyError, match=sentence):
+        make()
+
+
+def test_none_is_no_limit():
+    found = limits(acceleration=None, jerk=None, lower=None, upper=None)
+    assert not np.isfinite(found.rates[1:]).any()
+    assert np.isinf(found.upper).all()
+
+
+def test_one_direction_may_have_another_limit():
+    found = limits(min_velocity=[-0.5, -3.0])
+    assert found.lowest_rates[0].tolist() == [-0.5, -3.0]
+    assert found.rates[0].tolist() == [0.5, 2.0]
+    assert not found.symmetric
+    assert found.scaled(2.0).min_velocity.tolist() == [-0.25, -1.5]
+    assert found.joint(1).min_velocity.tolist() == [-3.0]
+
+
+def test_a_joint_that_moves_less_than_the_floor_is_still():
+    noisy = np.column_stack(
+        [[0.0, 1.0, 2.0], 0.7 + 1e-16 * np.arange(3), [0.0, 1e-6, 0.0], 1e4 + 0.9e-9 * np.arange(3)]
+    )
+    problem = Problem("p", noisy, JointLimits(np.ones(4)))
+    assert problem.moving.tolist() == [True, False, True, False]
+    assert problem.position_tolerance[:3] == pytest.approx([2e-6, 1e-9, 1e-9], rel=1e-3)
+
+
+def test_a_problem_of_one_joint_keeps_the_demands_on_it():
+    whole = Problem(
+        "p", POINTS, limits(), start=State([0.1, 0.2]), finish=EndCondition.FREE, stops=[1], tolerance=[0, 0.1, 0],
+        path=Tube([0.3, 0.4]), segment_limits={1: limits(velocity=[0.5, 0.6])},
+    )  # fmt: skip
+    alone = whole.joint(1)
+    assert alone.start.velocity.tolist() == [0.2]
+    assert alone.finish is EndCondition.FREE
+    assert alone.path.of(1).tolist() == [0.4]
+    assert alone.tolerance.tolist() == [[0], [0.1], [0]]
+    assert alone.segment_limits[1].velocity.tolist() == [0.6]
+    assert alone.demands == whole.demands
