@@ -47,7 +47,7 @@ def positive(value: object, what: str) -> float:
     StudyError
         If the value is anything else; true and false are no numbers.
     """
-    number = frozen_array(value, what) if isinstance(value, int | float | np.number) else None  # type: ignore[arg-type]
+    number = frozen_array(value, what) if isinstance(value, int | float | np.number) else None
     if number is None or isinstance(value, bool) or not 0 < number < np.inf:
         raise StudyError(f"{what} must be a positive number, got {value!r}")
     return float(number)

@@ -282,7 +282,7 @@ def _alone(state: State | EndCondition | None, index: int) -> State | EndConditi
 
 def _asked(problem: Problem) -> list[tuple[Demand, bool]]:
     robot, timing = problem.limits, problem.timing or Timing()
-    finite: list[bool] = list(np.isfinite(robot.rates).any(axis=1))
+    finite = [bool(np.isfinite(rates).any()) for rates in robot.rates]
     return [
         *zip((Demand.VELOCITY, Demand.ACCELERATION, Demand.JERK), finite, strict=True),
         (Demand.POSITION_RANGE, bool(np.isfinite([robot.lower, robot.upper]).any())),
