@@ -8,12 +8,13 @@ from functools import lru_cache
 import numpy as np
 
 from study.curves import Curve
+from study.errors import StudyError
 from study.planning import Formulation
 from study.problem import Floats, JointLimits, Problem
 
 
 def stretch(problem: Problem, curve: Curve, durations: Floats) -> Floats:
-    """Smallest factor on all durations that makes each candidate feasible.
+    """Smallest factor on all durations that makes each candidate feasible, where both ends are at rest or free.
 
     Durations times k divide velocity, acceleration and jerk by k, k^2 and k^3, so
     k = max(v/V, sqrt(a/A), cbrt(j/J)).
@@ -67,10 +68,23 @@ class Penalty:
 
 @dataclass(frozen=True)
 class Scaled:
-    """Total time after stretching every candidate until it is exactly feasible; nothing is ever infeasible."""
+    """Total time after stretching every candidate until it is exactly feasible; nothing is ever infeasible.
+
+    Raises
+    ------
+    StudyError
+        If the problem gives a velocity or acceleration at an end, which stretching would change.
+    """
 
     problem: Problem
     curve: Curve
+
+    def __post_init__(self) -> None:
+        if not self.problem.scalable:
+            raise StudyError(
+                f"case {self.problem.name!r}: a motion with a given velocity or acceleration at an end cannot be stretched "
+                "in time; use the formulation 'penalty'"
+            )
 
     def _factors(self, durations: Floats) -> Floats:
         shortest = self.problem.duration_bounds[0] / durations.min(axis=1)

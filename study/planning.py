@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum, StrEnum
 from typing import ClassVar, Protocol
 
@@ -142,6 +142,21 @@ _FREEDOMS = {
 
 RATE_LIMITS = frozenset({Demand.VELOCITY, Demand.ACCELERATION, Demand.JERK})
 """Demands that most planners know; a range of positions is then left to the judge."""
+
+
+def in_time(problem: Problem, plan: Plan) -> Plan:
+    """Slow a plan's motion down until its duration is as the problem demands; nothing changes where it demands none.
+
+    Raises
+    ------
+    StudyError
+        If the motion takes longer than it must.
+    """
+    if plan.motion is None or problem.timing is None or not problem.scalable:
+        return plan
+    factor = problem.timing.stretch(plan.motion.duration)
+    durations = None if plan.durations is None else plan.durations * factor
+    return replace(plan, motion=plan.motion.scaled(factor), durations=durations)
 
 
 class Planner(Protocol):

@@ -239,6 +239,11 @@ class Problem:
         """Everything that the problem asks of a motion beyond passing the waypoints."""
         return frozenset(demand for demand, holds in _asked(self) if holds)
 
+    @property
+    def planner_demands(self) -> frozenset[Demand]:
+        """Demands that a planner must see to itself: where a slower run is allowed, any motion can be fitted to a duration."""
+        return self.demands - ({Demand.DURATION, Demand.CYCLE} if self.scalable else set())
+
     def joint(self, index: int) -> Problem:
         """Take the problem of one joint alone; its neighbouring waypoints may then be equal."""
         return replace(

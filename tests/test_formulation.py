@@ -8,6 +8,7 @@ from study.curves import CURVES
 from study.formulation import Penalty, Scaled, objective_of, stretch
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Formulation, Meter, RunSettings, Status, Synchronisation
+from study.problem import State
 from study.search.loop import minimise
 from study.search.pso import PSO
 from study.search.state import Box
@@ -111,3 +112,9 @@ def test_settings_take_options_by_their_text_and_keep_them_as_enumerations():
     assert settings == RunSettings("poly353", formulation=Formulation.SCALED, synchronisation=Synchronisation.PER_JOINT)
     assert settings.formulation is Formulation.SCALED
     assert f"{settings.formulation}, {settings.synchronisation}" == "scaled, per-joint"
+
+
+def test_a_motion_with_a_moving_end_cannot_be_scaled():
+    moving = Problem("p", [[0.0], [1.0]], JointLimits([2.0], [9.0]), start=State([0.5]))
+    with pytest.raises(StudyError, match="cannot be stretched in time; use the formulation 'penalty'"):
+        Scaled(moving, CURVES["cubic-spline"])

@@ -11,7 +11,7 @@ from study.deadline import watched
 from study.demands import refusal
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import Plan, Status
+from study.planning import Plan, Status, in_time
 from study.problem import Problem
 from study.registry import planner_named
 from study.runs.pool import speaker
@@ -34,10 +34,10 @@ def execute(task: Task) -> Result:
     try:
         planner = planner_named(task.cell.planner)
         started = time.perf_counter()
-        if reason := refusal(task.problem.demands, planner.knows):
+        if reason := refusal(task.problem.planner_demands, planner.knows):
             return failed(task.cell, reason, 0.0, Status.NOT_APPLICABLE)
         with watched() as watch, reporting(speaker()):
-            plan = planner.plan(task.problem, task.cell.settings)
+            plan = in_time(task.problem, planner.plan(task.problem, task.cell.settings))
         wall_time = time.perf_counter() - started
         return judged(task, cut_short(plan) if watch.reached else plan, wall_time)
     except StudyError as error:

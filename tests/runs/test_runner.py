@@ -13,9 +13,11 @@ import pytest
 
 from study.errors import StudyError
 from study.planning import Status
+from study.problem import Timing
 from study.runs.lineup import Budget, make_cells, parse_specs
 from study.runs.pool import Overdue, WorkerDied, WorkerPool
 from study.runs.runner import Task, execute, hard_limit, run_cells
+from study.store.results import Cell
 from study.store.store import Store
 from tests.conftest import stored, wait_until
 
@@ -185,6 +187,7 @@ from pathlib import Path
 from study.cases.library import load_case
 from study.runs.lineup import Budget, make_cells, parse_specs
 from study.runs.runner import run_cells
+from study.store.results import Cell
 from study.store.store import Store
 
 if __name__ == "__main__":
@@ -242,3 +245,22 @@ def test_a_demand_that_a_planner_does_not_know_keeps_it_from_running(stubs, tiny
     result = execute(Task(cell, problem))
     assert (result.status, result.motion) == (Status.NOT_APPLICABLE, None)
     assert result.message == "the planner does not know limits that differ by direction, which the problem asks for"
+
+
+@pytest.mark.parametrize(
+    ("timing", "duration"), [({"exactly": 9.0}, 9.0), ({"at_least": 7.5}, 7.5), ({"cycle": 4.0}, 8.0)]
+)
+def test_any_planner_fits_a_demanded_duration_by_slowing_down(tiny_case, timing, duration):
+    problem = replace(tiny_case.problem, timing=Timing(**timing))
+    fastest = execute(Task(Cell("tiny", "centre", "centre", tiny_case.settings), tiny_case.problem)).verdict.duration
+    result = execute(Task(Cell("tiny", "centre", "centre", tiny_case.settings), problem))
+    assert fastest < duration
+    assert result.verdict.duration == pytest.approx(duration)
+    assert not [reason for reason in result.verdict.reasons if "lasts" in reason]
+
+
+def test_a_demanded_duration_that_is_too_short_is_the_reason(tiny_case):
+    problem = replace(tiny_case.problem, timing=Timing(exactly=0.01))
+    result = execute(Task(Cell("tiny", "centre", "centre", tiny_case.settings), problem))
+    assert result.motion is None
+    assert "longer than the 0.01 s it must take" in result.message
