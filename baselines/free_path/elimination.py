@@ -33,9 +33,11 @@ from study.problem import Floats
 SHARED = 7
 """Number of shared unknowns of a block."""
 
-FACTOR = 3
 TINY = 1e-10
 """Smallest eigenvalue that counts as positive."""
+
+REFLECTION = 3.0
+"""How far a negative eigenvalue is shifted, as a multiple of its size; just above zero would make the step huge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,10 +242,10 @@ def _reflected(columns: Floats) -> tuple[Floats, Floats]:
 
 def _shift(hessians: Floats, least: float) -> Floats:
     """Multiple of the identity, at least `least`, that makes every matrix positive definite, one for each."""
-    shift = np.full(hessians.shape[:-2], least + TINY)
+    shift = np.full(hessians.shape[:-2], least)
     try:
-        np.linalg.cholesky(hessians + (least + TINY) * np.eye(hessians.shape[-1]))
+        np.linalg.cholesky(hessians + least * np.eye(hessians.shape[-1]))
     except np.linalg.LinAlgError:
         lowest = np.linalg.eigvalsh(hessians)[..., 0]
-        shift = np.where(lowest + shift <= TINY, FACTOR * np.abs(lowest) + 1e-6, shift)
+        shift = np.where(lowest + shift <= TINY, REFLECTION * np.abs(lowest) + 1e-6, shift)
     return shift

@@ -6,9 +6,11 @@ Every iteration linearises the conditions of the barrier problem, min f - mu sum
 of the rows, and solves what is left by structure. The barrier parameter follows Mehrotra: a first step with mu = 0 tells
 how far the complementarity can fall, a second one aims there and corrects for the first one's curvature.
 
-Steps are globalised in two modes. As long as the error of the optimality conditions keeps falling, any step that does not
-let the infeasibility grow is taken. When the error stalls, mu is held and a filter decides: a step must lower either the
-infeasibility or the barrier function, below all pairs met since mu was set.
+The parameter is held up while the dual error is large, so that the method
+does not run along the boundary before it knows where to go.
+
+A filter globalises the steps: each must lower the infeasibility or the barrier function, below all pairs met since the
+barrier parameter was set; where the infeasibility is small, it must lower the barrier function as its slope promises.
 
 References
 ----------
@@ -20,19 +22,31 @@ A. Waechter and L. Biegler, On the implementation of an interior-point filter li
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
 
+from baselines.free_path.line_search import HALVINGS, LineSearch, Measure
 from baselines.free_path.model import Model
-from baselines.free_path.newton import Frame, Gradient, Newton, gradient
+from baselines.free_path.newton import Damping, Frame, Gradient, Newton, gradient
 from baselines.free_path.pieces import Bounds, Pieces, Point, pieces_at
 from baselines.free_path.rows import Rows
 from baselines.free_path.shared_system import layout_of
 from study.deadline import noted
 from study.problem import Floats
+
+PATIENCE = 1e-3
+"""Share of the dual error below which the complementarity does not fall while the method centres."""
+
+SMALL = 1e-2
+"""Infeasibility per segment and joint below which the barrier function must fall."""
+
+NEGLIGIBLE = 1e-8
+"""Regularisation that is forgotten in the next iteration."""
+
+TINY = 1e-300
 
 
 class Ending(Enum):
@@ -57,6 +71,10 @@ class Goal:
     iterations : int
     deadline : float, s
         On the clock of `time.monotonic`.
+    centring : float
+        Share of the complementarity that a step keeps at least.
+    damping : float
+        Least curvature of a block; more slows the last digits, less lets flat directions run away.
     """
 
     barrier: float = 1e-9
@@ -64,6 +82,7 @@ class Goal:
     iterations: int = 150
     deadline: float = np.inf
     centring: float = 0.0
+    damping: float = 1e-5
 
 
 class State(NamedTuple):
@@ -100,20 +119,6 @@ class Outcome:
     ending: Ending
     iterations: int
     history: list[tuple[float, ...]]
-
-
-@dataclass
-class Filter:
-    """Pairs of infeasibility and barrier function that a step must undercut in one of the two."""
-
-    pairs: list[tuple[float, float]] = field(default_factory=list)
-
-    def accepts(self, infeasibility: float, barrier: float) -> bool:
-        """Whether no pair dominates."""
-        return all(
-            infeasibility <= (1 - 1e-5) * theta or barrier <= phi - 1e-5 * theta - 1e-12 * abs(phi)
-            for theta, phi in self.pairs
-        )
 
 
 def frame_of(model: Model, free: bool, shares: Floats) -> Frame:
@@ -162,7 +167,8 @@ class Run:
     """
 
     def __init__(self, frame: Frame, state: State) -> None:
-        self.frame, self.state = frame, state
+        segments, joints, _ = frame.model.shape
+        self.frame, self.search = frame, LineSearch(frame.rows.active, SMALL * segments * joints)
         self.regularisation = 0.0
         self.history: list[tuple[float, ...]] = []
         self._enter(state, pieces_at(frame.model, frame.bounds, state.point))
@@ -186,66 +192,71 @@ class Run:
 
     def advance(self, goal: Goal) -> bool:
         """Take one step; whether one could be taken."""
-        state, rows = self.state, self.frame.rows
+        state = self.state
         stiffness = state.multipliers / state.slacks
-        newton = Newton(self.frame, self.at, state.multipliers, stiffness, self.slope.costates, self.regularisation / 3)
+        damped = Damping(self.regularisation / 3, goal.damping)
+        newton = Newton(self.frame, self.at, state.multipliers, stiffness, self.slope.costates, damped)
         if not newton.system.solvable:
             return False
-        self.regularisation = newton.regularisation if newton.regularisation > 1e-8 else 0.0
+        self.regularisation = newton.regularisation if newton.regularisation > NEGLIGIBLE else 0.0
+        target, bend = self._aim(newton, stiffness, goal)
+        step = self._direction(newton, stiffness, self.frame.rows.weight * (target - bend))
+        return self._take(step, target)
+
+    def _aim(self, newton: Newton, stiffness: Floats, goal: Goal) -> tuple[float, Floats]:
+        """Complementarity to aim at, and what the first step leaves of it to second order, an entry for every row."""
+        state = self.state
         first = self._direction(newton, stiffness, np.zeros(1))
         primal, dual = self._room(first, 1.0)
-        gap = (state.slacks + primal * first.slacks) @ (state.multipliers + dual * first.multipliers) / rows.count
-        target = max(max(goal.centring, min(1.0, float(gap) / self.mu) ** 3) * self.mu, 0.5 * goal.barrier)
+        gap = (state.slacks + primal * first.slacks) @ (state.multipliers + dual * first.multipliers)
+        share = max(goal.centring, min(1.0, float(gap) / self.frame.rows.count / self.mu) ** 3)
+        target = max(share * self.mu, 0.5 * goal.barrier)
+        if goal.centring:
+            target = max(target, min(self.mu, PATIENCE * self.dual))
         limit = 10 * target + 0.1 * self.mu
-        bend = np.clip(primal * dual * first.slacks * first.multipliers, -limit, limit)
-        step = self._direction(newton, stiffness, rows.weight * (target - bend))
-        return self._take(step, *self._room(step, max(0.9, 1 - self.mu)))
+        return target, np.clip(primal * dual * first.slacks * first.multipliers, -limit, limit)
 
     def _direction(self, newton: Newton, stiffness: Floats, aim: Floats) -> State:
         """Step towards complementarity `aim`, an entry for every row."""
         state, frame = self.state, self.frame
         pulled = aim / state.slacks - stiffness * self.residual
-        slope = gradient(frame, self.at, -pulled, state.equations)
-        point, equations = newton.step(slope)
-        slacks = frame.rows.change(self.at, point) + self.residual
-        return State(point, slacks, pulled - stiffness * (slacks - self.residual) - state.multipliers, equations)
+        point, equations = newton.step(gradient(frame, self.at, -pulled, state.equations))
+        change = frame.rows.change(self.at, point)
+        return State(point, change + self.residual, pulled - stiffness * change - state.multipliers, equations)
 
     def _room(self, step: State, share: float) -> tuple[float, float]:
         """Longest primal and dual steps that leave slacks, durations and multipliers positive."""
-        state = self.state
-        primal = min(1.0, share / max(1e-300, float((-step.slacks / state.slacks).max())))
+        state, active = self.state, self.frame.rows.active
+        fall = float((-step.slacks / state.slacks).max())
         shrink = float((-step.point.durations / state.point.durations).max())
-        primal = min(primal, 0.5 / shrink) if shrink > 0 else primal
-        positive = self.frame.rows.active
-        ratio = float((-step.multipliers[positive] / state.multipliers[positive]).max(initial=0.0))
-        return max(primal, 0.0) if primal > 0 else 1.0, min(1.0, share / max(1e-300, ratio))
+        decay = float((-step.multipliers[active] / state.multipliers[active]).max(initial=0.0))
+        primal = min(1.0, share / max(fall, TINY), 0.5 / max(shrink, TINY))
+        return primal, min(1.0, share / max(decay, TINY))
 
-    def _infeasibility(self, at: Pieces, residual: Floats) -> float:
-        return float(np.abs(at.errors).sum() + np.abs(residual).sum())
-
-    def _take(self, step: State, primal: float, dual: float) -> bool:
-        state, frame = self.state, self.frame
-        now = self._infeasibility(self.at, self.residual)
-        for _ in range(6):
-            point = state.point.moved(step.point, primal)
-            slacks = state.slacks + primal * step.slacks
-            at = pieces_at(frame.model, frame.bounds, point)
-            residual = frame.rows.values(at, point) - slacks
-            if self._infeasibility(at, residual) <= max(1.5 * now, 1e-3 * self.at.errors[..., 0].size):
+    def _take(self, step: State, target: float) -> bool:
+        state, model = self.state, self.frame.model
+        primal, dual = self._room(step, max(0.9, 1 - self.mu))
+        now = Measure(infeasibility(self.at, self.residual), float(model.weights @ state.point.durations), state.slacks)
+        rise = float(model.weights @ step.point.durations)
+        self.search.begin(target, now, rise, step.slacks)
+        for _ in range(HALVINGS):
+            point, slacks = state.point.moved(step.point, primal), state.slacks + primal * step.slacks
+            at = pieces_at(model, self.frame.bounds, point)
+            residual = self.frame.rows.values(at, point) - slacks
+            reached = Measure(infeasibility(at, residual), float(model.weights @ point.durations), slacks)
+            if self.search.accepts(reached, primal):
                 break
             primal *= 0.5
         multipliers = state.multipliers + dual * step.multipliers
-        equations = state.equations + dual * step.equations
-        self.history.append(
-            (
-                self.mu,
-                self.primal,
-                self.dual,
-                float(frame.model.tau @ point.durations),
-                primal,
-                dual,
-                self.regularisation,
-            )
-        )
-        self._enter(State(point, slacks, multipliers, equations), at)
-        return bool(np.isfinite(self.mu + self.dual + self.primal))
+        self._note(primal, dual)
+        self._enter(State(point, slacks, multipliers, state.equations + dual * step.equations), at)
+        return self.search.alive and bool(np.isfinite(self.mu + self.dual + self.primal))
+
+    def _note(self, primal: float, dual: float) -> None:
+        duration = float(self.frame.model.tau @ self.state.point.durations)
+        self.history.append((self.mu, self.primal, self.dual, duration, primal, dual, self.regularisation))
+
+
+def infeasibility(at: Pieces, residual: Floats) -> float:
+    """Sum of what is left of all equations."""
+    return float(np.abs(at.errors).sum() + np.abs(residual).sum())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -88,6 +89,21 @@ def gradient(frame: Frame, at: Pieces, weights: Floats, multipliers: Floats) -> 
     return Gradient(costates, inner, shared, below - above, model.weights)
 
 
+class Damping(NamedTuple):
+    """Multiples of the identity to add to the Hessian.
+
+    Attributes
+    ----------
+    shared : float
+        At first, to be raised until the matrix is positive definite.
+    inner : float
+        At least, inside of the blocks.
+    """
+
+    shared: float
+    inner: float
+
+
 class Newton:
     """The factorised equations at one point.
 
@@ -98,7 +114,7 @@ class Newton:
     multipliers, stiffness : arrays, one entry for every row
     costates : Costates
         Of the Lagrangian.
-    regularisation : float
+    damping : Damping
     """
 
     def __init__(
@@ -108,15 +124,16 @@ class Newton:
         multipliers: Floats,
         stiffness: Floats,
         costates: Costates,
-        regularisation: float,
+        damping: Damping,
     ) -> None:
         rows = frame.rows
         self.frame, self.at = frame, at
         local = curvature(frame.model, frame.bounds, at, rows.pieces(multipliers), rows.pieces(stiffness), costates)
         nodes = rows.nodes(stiffness)
         elimination = Elimination(frame.model, at, local, frame.free, frame.shares)
+        regularisation = damping.shared
         while True:
-            self.blocks, self.regularisation = elimination.blocks(regularisation), regularisation
+            self.blocks, self.regularisation = elimination.blocks(max(regularisation, damping.inner)), regularisation
             self.system = SharedSystem(frame.layout, self.blocks.reduced, nodes[0] + nodes[1], regularisation)
             if self.system.solvable or regularisation > GIVE_UP:
                 break

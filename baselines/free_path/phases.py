@@ -90,9 +90,9 @@ def _regraded(point: Point, shares: Floats) -> Point:
 
 def _fixed_then_free(model: Model, shares: Floats, point: Point, deadline: float) -> Outcome:
     goals = (
-        Goal(barrier=1e-5, error=1e-3, iterations=100, deadline=deadline),
-        Goal(barrier=1e-7, error=1e-4, iterations=120, deadline=deadline, centring=0.3),
-        Goal(barrier=1e-9, error=1e-8, iterations=60, deadline=deadline),
+        Goal(barrier=1e-4, error=1e-2, iterations=100, deadline=deadline),
+        Goal(barrier=1e-7, error=1e-3, iterations=120, deadline=deadline, centring=0.3, damping=1e-3),
+        Goal(barrier=1e-9, error=1e-6, iterations=60, deadline=deadline),
     )
     frame = frame_of(model, False, shares)
     first = solve(frame, started(frame, point, 0.1), goals[0])
@@ -100,7 +100,7 @@ def _fixed_then_free(model: Model, shares: Floats, point: Point, deadline: float
     second = solve(frame, resumed(frame, first.state, 1e-3), goals[1])
     widths = np.maximum(second.state.point.widths, 1e-12)
     frame = frame_of(model, False, widths / widths.sum(axis=2, keepdims=True))
-    third = solve(frame, resumed(frame, second.state, 1e-6), goals[2])
+    third = solve(frame, resumed(frame, second.state, 1e-7), goals[2])
     return replace(third, iterations=first.iterations + second.iterations + third.iterations)
 
 
