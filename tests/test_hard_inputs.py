@@ -144,7 +144,7 @@ EXPENSIVE = {
 @settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 def test_every_answer_passes_the_judge_or_says_why_not(planner, problem):
     chosen = RunSettings("cubic-spline", evaluations=100, population=20, formulation="scaled", time_limit=20.0)
-    if planner == "cma-es" and problem.n_segments == 1:
+    if planner.startswith("cma-es") and problem.n_segments == 1:
         with pytest.raises(StudyError, match="at least 2 dimensions"):
             planner_named(planner).plan(problem, chosen)
         return

@@ -19,7 +19,7 @@ from study.runs.lineup import (
     parse_specs,
 )
 
-EXTRAS = {"copp", "cma-es"}
+EXTRAS = {"copp", "cma-es", "cma-es-own-population"}
 """Planners whose packages are extras."""
 
 BROKEN = {"stub-missing", "stub-broken", "stub-number"}

@@ -3,7 +3,7 @@
 References
 ----------
 PUMA560 paper, Table 3 (STOA, SCA). The others stand in no paper: the standard particle swarm, random search, CMA-ES,
-SciPy's L-BFGS-B, differential evolution and DIRECT, and the centre of the box, which any search must beat.
+L-SHADE, SciPy's L-BFGS-B, differential evolution and DIRECT, and the centre of the box, which any search must beat.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from study.planning import RATE_LIMITS, Formulation, Freedom, Meter, Plan, RunSe
 from study.problem import Demand, Floats, Problem
 from study.search.bounds import BoundsRule
 from study.search.cma_es import CMAES
+from study.search.lshade import LSHADE
 from study.search.pso import PSO, ClampUnit, VelocityUpdate
 from study.search.random_search import RandomSearch
 from study.search.sca import SCA
@@ -208,6 +209,16 @@ RANDOM_SEARCH = SegmentTimePlanner(RandomSearch(), "durations drawn blindly, the
 STOA_PLANNER = SegmentTimePlanner(STOA(), "sooty tern search")
 SCA_PLANNER = SegmentTimePlanner(SCA(), "sine cosine search")
 CMA_ES = SegmentTimePlanner(CMAES(), "covariance matrix adaptation, the usual strong evolution strategy")
+CMA_ES_OWN_POPULATION = SegmentTimePlanner(
+    CMAES(own_population=True), "covariance matrix adaptation with its own population size, 4 + floor(3 ln n)"
+)
+L_SHADE = SegmentTimePlanner(
+    LSHADE(), "differential evolution that adapts its parameters and shrinks its population (L-SHADE)"
+)
+L_SHADE_OWN_POPULATION = SegmentTimePlanner(
+    LSHADE(own_population=True),
+    "differential evolution as l-shade, with its own first population size, 18 for each segment",
+)
 LBFGSB_PLANNER = MinimiserPlanner(
     LBFGSB(),
     "gradient descent (L-BFGS-B of SciPy), started again and again until the budget is spent",

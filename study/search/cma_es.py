@@ -7,6 +7,7 @@ Hansen and Ostermeier (2001). None of the papers compares with it.
 
 from __future__ import annotations
 
+import math
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import Any
@@ -44,9 +45,12 @@ class CMAES:
     ----------
     sigma : float
         First standard deviation as a share of the box's width; ours.
+    own_population : bool
+        Take the algorithm's own size, 4 + floor(3 ln n) for n dimensions, instead of the size asked for.
     """
 
     sigma: float = 0.3
+    own_population: bool = False
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> CMAState:
         """Start from the centre of the box.
@@ -56,6 +60,9 @@ class CMAES:
         StudyError
             If the package is not installed, the box has one dimension, or the population is too small.
         """
+        if self.own_population:
+            budget, population = population * generations, 4 + int(3 * math.log(len(box.lower)))
+            generations = -(-budget // population)
         if population < SMALLEST_POPULATION or len(box.lower) < 2:
             raise StudyError(
                 f"CMA-ES needs a population of at least {SMALLEST_POPULATION} and at least 2 dimensions, "
@@ -74,7 +81,8 @@ class CMAES:
 
     def tell(self, state: CMAState, values: Floats, rng: np.random.Generator) -> CMAState:
         """Adapt the distribution."""
-        optimiser = _copied(state.optimiser)
+        numbers = _random_numbers(state.optimiser)
+        optimiser = _copied(state.optimiser, {id(numbers): numbers})  # drawn from in `ask` alone, which copies them
         optimiser.tell(list(zip(state.fractions, values.tolist(), strict=True)))
         incumbent, value = state.improved(values)
         return replace(
@@ -90,22 +98,33 @@ class CMAES:
             from cmaes import CMA
         except ModuleNotFoundError:
             raise StudyError(
-                "planner 'cma-es' needs the Python package 'cmaes'; install it with pip, alone or as the extra 'peers'"
+                "CMA-ES needs the Python package 'cmaes'; install it with pip, alone or as the extra 'peers'"
             ) from None
         bounds = np.tile([0.0, 1.0], (len(mean), 1))
         seed = int(rng.integers(2**31))
         return CMA(mean=mean, sigma=self.sigma, bounds=bounds, seed=seed, population_size=population)
 
 
-def _copied(optimiser: Any) -> Any:
-    """Copy the package's optimiser with its random numbers, which its own pickling leaves out."""
+def _random_numbers(optimiser: Any) -> np.random.RandomState:
+    return next(part for part in vars(optimiser).values() if isinstance(part, np.random.RandomState))
+
+
+def _copied(optimiser: Any, shared: dict[int, Any]) -> Any:
+    """Copy the package's optimiser with its random numbers, which its own copying leaves out.
+
+    Parameters
+    ----------
+    optimiser : cmaes.CMA
+    shared : mapping of int to object
+        Parts that both go on using, by their `id`.
+    """
     copy = object.__new__(type(optimiser))
-    copy.__dict__.update(deepcopy(vars(optimiser)))
+    copy.__dict__.update(deepcopy(vars(optimiser), shared))
     return copy
 
 
 def _sampled(state: CMAState) -> CMAState:
     """Take the next population of the state's optimiser."""
-    optimiser = _copied(state.optimiser)
+    optimiser = _copied(state.optimiser, {})
     fractions = np.array([optimiser.ask() for _ in range(optimiser.population_size)])
     return replace(state, optimiser=optimiser, fractions=fractions, candidates=state.box.at(fractions))

@@ -13,6 +13,7 @@ from study.search.cma_es import CMAES
 from study.search.de import DE
 from study.search.gsa import GSA
 from study.search.loop import minimise
+from study.search.lshade import LSHADE
 from study.search.population import new_population, normalised_fitness
 from study.search.sca import SCA
 from study.search.sma import SMA
@@ -42,6 +43,7 @@ SEARCHES = {
     "stoa": STOA(),
     "sca": SCA(),
     "cma-es": CMAES(),
+    "l-shade": LSHADE(),
 }
 
 
@@ -116,7 +118,7 @@ def test_infinite_values_are_survived_without_a_warning_or_a_nan(name):
 
 
 @pytest.mark.parametrize("population", [1, 2, 3])
-@pytest.mark.parametrize("name", [name for name in SEARCHES if name not in ("cma-es", "de")])
+@pytest.mark.parametrize("name", [name for name in SEARCHES if name not in ("cma-es", "de", "l-shade")])
 def test_tiny_populations_work(name, population):
     meter = Meter(bowl, 40)
     minimise(SEARCHES[name], meter, BOX, population, np.random.default_rng(0))
@@ -124,7 +126,7 @@ def test_tiny_populations_work(name, population):
 
 
 def test_searches_that_need_a_population_say_so():
-    for search in (DE(), CMAES()):
+    for search in (DE(), CMAES(), LSHADE()):
         with pytest.raises(StudyError, match="population of at least 4"):
             minimise(search, Meter(bowl, 100), BOX, 3, np.random.default_rng(0))
 
