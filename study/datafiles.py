@@ -27,7 +27,10 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-FORMS = ("one for all", "one for each", "file name", "rows", "list")
+FORMS = (
+    *("one for all", "one for each", "by direction", "file name", "rows", "list"),
+    *("condition", "rates", "name", "shape", "number", "kinds"),
+)
 """Names of the forms that one field may take; they are no part of a field's name."""
 
 Model = TypeVar("Model", bound=BaseModel)

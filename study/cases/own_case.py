@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from study.cases.own_file import OwnCase, OwnLimits
+from study.cases.own_demands import demands_of, segments_between, tightest
+from study.cases.own_file import OwnCase, OwnDirections, OwnRates
 from study.cases.paper_file import SI
 from study.datafiles import checked
 from study.errors import StudyError, plural
@@ -90,7 +91,10 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
         end=_end(file, read),
         duration_bounds=_duration_bounds(file) or OPTIONAL,
         joint_names=names,
+        segment_limits=_segment_limits(file, factors, len(table), where),
+        **demands_of(file, factors, len(table), where),
     )
+    problem = problem if file.speed is None else problem.at_speed(file.speed)
     robot = _robot(file.robot, path, problem)
     if file.obstacles and robot is None:
         raise StudyError(f"{where}: obstacles need a robot to know where the arm is; name one under 'robot'")
@@ -201,25 +205,36 @@ def _units(
     return units
 
 
-def _limits(own: OwnLimits, read: Sequence[OneJoint], factors: Floats, where: str) -> JointLimits:
-    rates = {name: _laid_over(getattr(own, name), name, read, factors, where) for name in _RATES}
-    span = (own.position.lower, own.position.upper) if own.position else (None, None)
-    ends = [_laid_over(given, name, read, factors, where) for given, name in zip(span, ("lower", "upper"), strict=True)]
+def _limits(own: OwnRates, read: Sequence[OneJoint], factors: Floats, where: str) -> JointLimits:
+    given = {name: getattr(own, name) for name in _RATES}
+    lowest = {f"min_{name}": rate.lower for name, rate in given.items() if isinstance(rate, OwnDirections)}
+    highest = {name: rate.upper if isinstance(rate, OwnDirections) else rate for name, rate in given.items()}
+    span = {} if own.position is None else {"lower": own.position.lower, "upper": own.position.upper}
+    said = {"lower": None, "upper": None} | highest | lowest | span
     try:
-        return JointLimits(**rates, lower=ends[0], upper=ends[1])
+        return JointLimits(**{name: _laid_over(value, name, read, factors, where) for name, value in said.items()})
     except StudyError as error:
         raise StudyError(f"{where}: {error}") from None
 
 
+def _segment_limits(file: OwnCase, factors: Floats, n_waypoints: int, where: str) -> dict[int, JointLimits]:
+    result: dict[int, JointLimits] = {}
+    for part in file.segments:
+        limits = _limits(part, [OneJoint()] * len(factors), factors, f"{where}: segments")
+        for segment in segments_between(part.first, part.last, n_waypoints, where):
+            result[segment] = tightest(result.get(segment, limits), limits)
+    return result
+
+
 def _laid_over(given: Any, name: str, read: Sequence[OneJoint], factors: Floats, where: str) -> Floats:
     """One number per joint: the case's own, in its units, else the file's, else none."""
-    nothing = -np.inf if name == "lower" else np.inf
+    nothing = -np.inf if name == "lower" or name.startswith("min_") else np.inf
     values = given if isinstance(given, list) else [given] * len(read)
     if len(values) != len(read):
         raise StudyError(
             f"{where}: {plural(len(values), f'{name} limit')} for {plural(len(read), 'joint')}; give one for all or one for each"
         )
-    said = [getattr(joint, name) for joint in read]
+    said = [getattr(joint, name, None) for joint in read]
     chosen = zip(values, said, factors, strict=True)
     return np.array([own * k if own is not None else nothing if old is None else old for own, old, k in chosen])
 

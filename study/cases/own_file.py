@@ -4,8 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Field, Tag
 
+from study.cases.own_demands import (
+    DurationOrNumber,
+    PathOrName,
+    StateOrCondition,
+    Tolerance,
+    forms,
+)
 from study.cases.paper_file import Positive, Unit
 from study.curves import CURVES
 from study.datafiles import Strict
@@ -13,16 +20,33 @@ from study.datafiles import Strict
 Cells = list[float]
 
 
-def _listed(one: str, several: str) -> Discriminator:
-    """Tell the forms of a field apart by whether a list came, so that a mistake is reported against one form only."""
-    return Discriminator(lambda value: several if isinstance(value, list) else one)
+Negative = Annotated[float, Field(lt=0)]
+
+
+def _listed(one: str, several: str) -> Any:
+    return forms(one=one, many=several)
+
+
+class OwnDirections(Strict):
+    """Limits that differ by direction: lower is negative, upper positive; null where there is none."""
+
+    lower: Annotated[
+        Annotated[Negative, Tag("one for all")] | Annotated[list[Negative | None], Tag("one for each")],
+        _listed("one for all", "one for each"),
+    ]
+    upper: Annotated[
+        Annotated[Positive, Tag("one for all")] | Annotated[list[Positive | None], Tag("one for each")],
+        _listed("one for all", "one for each"),
+    ]
 
 
 PerJoint = Annotated[
-    Annotated[Positive, Tag("one for all")] | Annotated[list[Positive | None], Tag("one for each")],
-    _listed("one for all", "one for each"),
+    Annotated[Positive, Tag("one for all")]
+    | Annotated[list[Positive | None], Tag("one for each")]
+    | Annotated[OwnDirections, Tag("by direction")],
+    forms(one="one for all", many="one for each", fields="by direction"),
 ]
-"""One number for all joints, or one for each; null where a joint has no such limit."""
+"""One number for all joints, or one for each; null where a joint has no such limit; `lower` and `upper` by direction."""
 
 Positions = Annotated[
     Annotated[float, Tag("one for all")] | Annotated[list[float | None], Tag("one for each")],
@@ -45,7 +69,23 @@ class OwnRange(Strict):
     upper: Positions
 
 
-class OwnLimits(Strict):
+class OwnRates(Strict):
+    """Limits of the joints, in the case's units and seconds; what is left out does not limit."""
+
+    velocity: PerJoint | None = Field(None, description="Per second.")
+    acceleration: PerJoint | None = Field(None, description="Per second squared.")
+    jerk: PerJoint | None = Field(None, description="Per second cubed.")
+    position: OwnRange | None = None
+
+
+class OwnSegments(OwnRates):
+    """Further limits between two waypoints, counted from 1."""
+
+    first: int = Field(alias="from", description="Waypoint at which the limits begin to hold.")
+    last: int = Field(alias="to", description="Waypoint up to which they hold.")
+
+
+class OwnLimits(OwnRates):
     """Limits of the joints, in the case's units and seconds; what is left out does not limit."""
 
     files: FileNames = Field(
@@ -53,10 +93,6 @@ class OwnLimits(Strict):
         alias="from",
         description="MoveIt joint_limits.yaml or URDF, one or several; later ones win, and numbers in this file win over all.",
     )
-    velocity: PerJoint | None = Field(None, description="Per second.")
-    acceleration: PerJoint | None = Field(None, description="Per second squared.")
-    jerk: PerJoint | None = Field(None, description="Per second cubed.")
-    position: OwnRange | None = None
 
 
 class Obstacle(Strict):
@@ -91,6 +127,37 @@ class OwnCase(Strict):
         None,
         description="free: may start and end in motion; rest: zero velocity at both ends; smooth: zero acceleration too. "
         "By default smooth where a jerk is limited, else rest.",
+    )
+    start: StateOrCondition | None = Field(
+        None,
+        description="Of the first instant alone: free, rest, smooth, or `velocity` and `acceleration` of every joint.",
+    )
+    finish: StateOrCondition | None = Field(None, description="Of the last instant alone, in the same forms.")
+    stops: list[int] = Field(default_factory=list, description="Inner waypoints, counted from 1, where the arm stops.")
+    dwells: dict[int, Positive] = Field(
+        default_factory=dict,
+        description="Inner waypoints, counted from 1: seconds for which the arm stands still there.",
+    )
+    segments: list[OwnSegments] = Field(
+        default_factory=list,
+        description="Further limits between two waypoints: `from`, `to` and fields as in `limits`.",
+    )
+    tolerance: Tolerance | None = Field(
+        None,
+        description="Distance at which waypoints may be passed, in the case's units: one number, one for each waypoint, or one "
+        "row for each waypoint with a number for each joint.",
+    )
+    path: PathOrName | None = Field(
+        None,
+        description="free, straight, `straight: R` with corners cut within R of a waypoint, or `tube: R`, at most R from the "
+        "straight lines.",
+    )
+    duration: DurationOrNumber | None = Field(
+        None, description="Of the motion, s: a number, or `exactly` and `at_least`; the motion is slowed down to it."
+    )
+    cycle: Positive | None = Field(None, description="Control cycle, s: the motion lasts a whole number of them.")
+    speed: Annotated[float, Field(gt=0, le=1)] | None = Field(
+        None, description="Share of the full speed: 0.5 takes twice as long, whatever limits."
     )
     robot: str | None = Field(
         None, description="For 3D: a URDF file, a file with a DH table, or one of the study's arms."
