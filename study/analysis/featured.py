@@ -1,4 +1,4 @@
-"""Which methods stand for their kind: the ones that figures, sentences and the index speak of."""
+"""Methods that stand for their kind: the ones that figures, sentences and the index speak of."""
 
 from __future__ import annotations
 
@@ -7,17 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from study.analysis.methods import CURVE, FIXED_PATH, FREE_PATH
-from study.analysis.rows import Entry
-
-ROLES = ("search", "optimiser", "free", "fixed", "published")
-"""Kinds of methods; the place is the number of the style in figures and legends."""
-
-LEVEL = 1e-4
-"""Times closer than this share count as level."""
-
-PLAIN_SEARCHES = ("random-search", "lbfgsb")
-"""Planners that take a seed but are no metaheuristics: blind sampling, and local descent from random starts."""
+from study.analysis.methods import Kind, MethodSummary, Standing
+from study.planning import Freedom
+from study.runs.lineup import SOLVERS, YARDSTICKS
 
 ROLE_NAMES = {
     "search": "best metaheuristic",
@@ -26,80 +18,83 @@ ROLE_NAMES = {
     "fixed": "deterministic, fixed path",
     "published": "published",
 }
+"""Roles are the fields of `Featured`; the place is the number of the style in figures and legends."""
+
+LEVEL = 1e-4
+"""Times closer than this share count as level."""
 
 
 @dataclass(frozen=True)
 class Featured:
-    """The best entry of every kind on one case, None where there is none; infeasible only for want of a feasible one.
+    """Best method of every role on one case, None where there is none; infeasible only for want of a feasible one.
 
     Attributes
     ----------
-    search : Entry, optional
-        Lowest median of all searches on the case's curve.
-    optimiser : Entry, optional
+    search : MethodSummary, optional
+        Lowest median of all metaheuristics on the case's curve.
+    optimiser : MethodSummary, optional
         Fastest deterministic method on the case's curve.
-    free, fixed : Entry, optional
+    free, fixed : MethodSummary, optional
         Fastest deterministic method with a free path, and on a fixed one.
-    published : Entry, optional
+    published : MethodSummary, optional
         Shortest total that the paper prints; one with segment durations, which can be judged, if there is any.
     velocity_only : bool
         Whether a joint has no acceleration limit, so that a motion off the curve may change its speed in an instant.
     """
 
-    search: Entry | None
-    optimiser: Entry | None
-    free: Entry | None
-    fixed: Entry | None
-    published: Entry | None
+    search: MethodSummary | None
+    optimiser: MethodSummary | None
+    free: MethodSummary | None
+    fixed: MethodSummary | None
+    published: MethodSummary | None
     velocity_only: bool = False
 
-    def present(self) -> list[tuple[int, str, Entry]]:
-        """Style number, role and entry of every kind that there is."""
-        pairs = [(style, role, getattr(self, role)) for style, role in enumerate(ROLES)]
-        return [(style, role, entry) for style, role, entry in pairs if entry is not None]
+    def present(self) -> list[tuple[int, str, MethodSummary]]:
+        """Style number, role and method of every role that is filled."""
+        filled = [(style, role, getattr(self, role)) for style, role in enumerate(ROLE_NAMES)]
+        return [(style, role, method) for style, role, method in filled if method is not None]
 
     @property
-    def reference(self) -> Entry | None:
-        """What others are measured against: the deterministic optimum on the same curve, or else the best search."""
-        candidates = [entry for entry in (self.optimiser, self.search) if entry is not None and entry.row.feasible]
+    def reference(self) -> MethodSummary | None:
+        """Method that others are measured against: the optimum on the same curve, or else the best search."""
+        candidates = [method for method in (self.optimiser, self.search) if method is not None and method.feasible]
         return candidates[0] if candidates else None
 
 
-def is_metaheuristic(entry: Entry) -> bool:
-    """Whether an entry stands for the methods that the papers propose."""
-    return entry.row.kind == "search" and entry.planner not in PLAIN_SEARCHES
+def is_metaheuristic(method: MethodSummary) -> bool:
+    """Whether a method stands for those that the papers propose."""
+    return method.kind is Kind.SEARCH and method.planner not in (*YARDSTICKS, *SOLVERS)
 
 
-def featured(entries: Sequence[Entry], velocity_only: bool = False) -> Featured:
-    """Pick the entry of every kind; entries are ranked, so the first of a kind is its best."""
-    plain = [entry for entry in entries if entry.row.kind == "deterministic" and entry.standing != "inapplicable"]
+def featured(methods: Sequence[MethodSummary], velocity_only: bool = False) -> Featured:
+    """Pick the method of every role; methods are ranked, so the first of a kind is its best."""
+    plain = [m for m in methods if m.kind is Kind.DETERMINISTIC and m.standing is not Standing.INAPPLICABLE]
     return Featured(
-        search=_first(entry for entry in entries if is_metaheuristic(entry) and entry.path == CURVE),
-        optimiser=_cheapest_of_level([entry for entry in plain if entry.path == CURVE]),
-        free=_cheapest_of_level([entry for entry in plain if entry.path == FREE_PATH]),
-        fixed=_cheapest_of_level([entry for entry in plain if entry.path == FIXED_PATH]),
+        search=_first(method for method in methods if is_metaheuristic(method) and method.freedom is Freedom.CURVE),
+        optimiser=_cheapest_of_level([method for method in plain if method.freedom is Freedom.CURVE]),
+        free=_cheapest_of_level([method for method in plain if method.freedom is Freedom.FREE]),
+        fixed=_cheapest_of_level([method for method in plain if method.freedom is Freedom.PATH]),
         published=min(
-            (entry for entry in entries if entry.row.kind == "published" and entry.row.joint is None),
-            key=lambda entry: (entry.motion is None, np.inf if entry.duration is None else entry.duration),
+            (method for method in methods if method.kind is Kind.PUBLISHED and method.joint is None),
+            key=lambda method: (method.motion is None, np.inf if method.duration is None else method.duration),
             default=None,
         ),
         velocity_only=velocity_only,
     )
 
 
-def _cheapest_of_level(entries: Sequence[Entry]) -> Entry | None:
-    """First entry, or one that is level with it and needs fewer evaluations, then by name.
+def _cheapest_of_level(methods: Sequence[MethodSummary]) -> MethodSummary | None:
+    """First method, or one that is level with it and needs fewer evaluations, then by name.
 
     Wall times would decide otherwise from run to run.
     """
-    first = _first(entries)
-    if first is None or first.row.median is None:
+    first = _first(methods)
+    if first is None or first.median is None:
         return first
-    level = [
-        one for one in entries if one.row.median is not None and one.row.median <= first.row.median * (1 + LEVEL / 10)
-    ]
-    return min(level, key=lambda one: (one.row.evaluations, one.label))
+    most = first.median * (1 + LEVEL / 10)
+    level = [method for method in methods if method.median is not None and method.median <= most]
+    return min(level, key=lambda method: (method.evaluations, method.label))
 
 
-def _first(entries: Iterable[Entry]) -> Entry | None:
-    return next(iter(entries), None)
+def _first(methods: Iterable[MethodSummary]) -> MethodSummary | None:
+    return next(iter(methods), None)

@@ -20,6 +20,13 @@ def seconds(value: float | None) -> str:
     return f"{value:.4g} s" if 0 < value < 0.01 else f"{value:.4f} s"
 
 
+def figures(value: float | None) -> str:
+    """Time in s for a table of durations: five decimals, or five digits where it is short."""
+    if value is None or not math.isfinite(value):
+        return DASH
+    return f"{value:.5f}" if value >= 0.01 else f"{value:.5g}"
+
+
 def change(value: float | None) -> str:
     """Difference of times, with its sign."""
     if value is None or not math.isfinite(value):

@@ -1,207 +1,335 @@
-"""From results to table rows: one per method and case, feasible ones first, nothing hidden."""
+"""Summary of every method on a case: one per method, ranked, nothing hidden; tables, pages and recordings show it."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import groupby
+from enum import StrEnum
+from functools import cached_property
+from itertools import count, groupby
 
 import numpy as np
 
-from study.cases.library import Case, Published
-from study.curves import curve_named
+from study.analysis.published import PUBLISHED, Printed, printed_motions
+from study.cases.library import Case
+from study.curves import CURVES
 from study.errors import StudyError
-from study.judge import judge
-from study.planning import Freedom, Plan, Status
+from study.planning import Freedom, Planner, Status, Synchronisation
+from study.problem import Problem
 from study.registry import planner_named
-from study.store.results import Cell, Result
+from study.store.results import Result
+from study.trajectory import Motion
 
-CURVE, FIXED_PATH, FREE_PATH = Freedom.CURVE, Freedom.PATH, Freedom.FREE
+
+class Kind(StrEnum):
+    """Kind of method; a bound proves a time that no motion can undercut, and has no motion of its own."""
+
+    SEARCH = "search"
+    DETERMINISTIC = "deterministic"
+    PUBLISHED = "published"
+    BOUND = "bound"
+
+
+class Standing(StrEnum):
+    """Group in the results table."""
+
+    FEASIBLE = "feasible"
+    INFEASIBLE = "infeasible"
+    INAPPLICABLE = "inapplicable"
+    BOUND = "bound"
+    UNJUDGED = "unjudged"
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
-    """What all runs of one method on one case came to.
+class MethodSummary:
+    """All runs of one method on one case, and its place among the others.
 
     Attributes
     ----------
     case, label : str
-    kind : str
-        `search`, `deterministic` or `published`.
-    path : str
-        Whether the method keeps the case's curve family, retimes a fixed path or chooses its path freely; empty where
-        that is not known.
-    runs, feasible_runs : int
-    best, median : float, optional, s
-        Duration over the feasible runs; None where there is none.
-    gap : float, optional
-        Of the median to the shortest feasible duration known for the case, relative; None where the row is infeasible
-        or speaks of one joint alone.
-    worst_ratio : float, optional
-        Largest ratio of a peak to its limit over the feasible runs, or over all where none is feasible.
-    evaluations : int
-        Median over the runs.
-    wall_time : float, s
-        Median over the runs.
-    reason : str
-        Why runs are infeasible; empty where all are feasible.
+    kind : Kind
+    freedom : Freedom, optional
+        Part of the motion that the method may change; None for a bound, and where that is not known.
+    about : str
+        One line that says how the method works; empty for a published motion and for a planner that is not installed.
+    results : tuple of Result
+        All runs, by seed; of a published motion its one judged run, or nothing where too little is printed to judge.
     joint : int, optional
-        Counted from 0, where a published row speaks of one joint alone; such rows stand last and take no part in gaps.
-    representative : Result, optional
-        The median feasible run, or the least infeasible one; None where a paper prints too little to judge.
+        Counted from 0, where a published motion is of one joint alone; it stands last and takes no part in gaps.
     claimed : float, optional, s
         Total time as the paper prints it.
+    remark : str
+        Reason why a published motion could not be judged.
+    rank : int, optional
+        Place among the feasible methods; None for an infeasible one and for single joints.
+    gap : float, optional
+        Median over the shortest feasible duration known for the case, minus one.
+    behind_same_kind : float, optional
+        Median over the shortest feasible duration known for the same freedom, minus one.
+    above_bound : float, optional
+        Median over the proved lower bound of any motion through the waypoints, minus one.
     """
 
     case: str
     label: str
-    kind: str
-    path: str
-    runs: int
-    feasible_runs: int
-    best: float | None
-    median: float | None
-    gap: float | None
-    worst_ratio: float | None
-    evaluations: int
-    wall_time: float
-    reason: str
+    kind: Kind
+    freedom: Freedom | None
+    about: str = ""
+    results: tuple[Result, ...] = ()
     joint: int | None = None
-    representative: Result | None = None
     claimed: float | None = None
+    remark: str = ""
+    rank: int | None = None
+    gap: float | None = None
+    behind_same_kind: float | None = None
+    above_bound: float | None = None
+
+    @property
+    def planner(self) -> str:
+        """Registry name, or `published`."""
+        return self.results[0].cell.planner if self.results else PUBLISHED
+
+    @property
+    def runs(self) -> int:
+        """Number of runs, one for each seed."""
+        return len(self.results) or 1
+
+    @cached_property
+    def _feasible(self) -> list[Result]:
+        return sorted((run for run in self.results if is_feasible(run)), key=_duration)
+
+    @property
+    def feasible_runs(self) -> int:
+        """Number of runs that the judge passed."""
+        return len(self._feasible)
 
     @property
     def feasible(self) -> bool:
         """Whether any run was feasible."""
-        return self.feasible_runs > 0
+        return bool(self._feasible)
+
+    @property
+    def best(self) -> float | None:
+        """Shortest duration of a feasible run, s."""
+        return _duration(self._feasible[0]) if self._feasible else None
+
+    @cached_property
+    def median(self) -> float | None:
+        """Median duration of the feasible runs, s."""
+        return float(np.median([_duration(run) for run in self._feasible])) if self._feasible else None
+
+    @cached_property
+    def representative(self) -> Result | None:
+        """The median feasible run, or else the one that breaks the limits least; None where nothing was judged."""
+        if self._feasible:
+            return self._feasible[(len(self._feasible) - 1) // 2]
+        return min(self.results, key=_violation, default=None)
+
+    @property
+    def motion(self) -> Motion | None:
+        """Motion of the representative run."""
+        return self.representative.motion if self.representative else None
+
+    @property
+    def judged_duration(self) -> float | None:
+        """Median of the feasible runs, else the duration of the representative motion, s."""
+        verdict = self.representative.verdict if self.representative else None
+        return self.median if self.median is not None else verdict.duration if verdict else None
 
     @property
     def duration(self) -> float | None:
-        """Duration to show, s: the feasible runs' median, else that of the representative motion, feasible or not."""
-        if self.median is not None:
-            return self.median
-        verdict = self.representative.verdict if self.representative else None
-        return verdict.duration if verdict else None
+        """Duration to show, s: the judged one, else what the paper prints."""
+        return self.claimed if self.judged_duration is None else self.judged_duration
+
+    @cached_property
+    def worst_ratio(self) -> float | None:
+        """Largest ratio of a peak to its limit over the feasible runs, or over all where none is feasible."""
+        judged = self._feasible or self.results
+        return max((run.verdict.worst_ratio for run in judged if run.verdict), default=None)
+
+    @cached_property
+    def evaluations(self) -> int:
+        """Curve evaluations of a run, median over the runs."""
+        return round(float(np.median([run.evaluations for run in self.results]))) if self.results else 0
+
+    @cached_property
+    def wall_time(self) -> float:
+        """Computing time of a run, median over the runs, s."""
+        return float(np.median([run.wall_time for run in self.results])) if self.results else 0.0
+
+    @cached_property
+    def reason(self) -> str:
+        """Most common reason why runs are infeasible; empty where all are feasible."""
+        infeasible = sorted((run for run in self.results if not is_feasible(run)), key=_violation)
+        if not infeasible:
+            return self.remark
+        sentences = [r.verdict.reasons[0] if r.verdict else r.message or r.status.value for r in infeasible]
+        share = f"{len(infeasible)} of {self.runs} runs: " if self.runs > 1 else ""
+        return share + Counter(sentences).most_common(1)[0][0]
+
+    @property
+    def bound(self) -> float | None:
+        """Proved lower bound of this method's kind of motion, or of any motion where it is a bound, s."""
+        shared = [run for run in self.results if run.cell.settings.synchronisation is Synchronisation.SHARED]
+        return max((bound for run in shared if (bound := bound_of(run)) is not None), default=None)
+
+    @property
+    def standing(self) -> Standing:
+        """Group in the results table."""
+        if self.representative is None:
+            return Standing.UNJUDGED
+        if self.kind is Kind.BOUND:
+            return Standing.BOUND
+        if self.representative.status is Status.NOT_APPLICABLE:
+            return Standing.INAPPLICABLE
+        return Standing.FEASIBLE if self.feasible else Standing.INFEASIBLE
 
 
-def summarise(cases: Mapping[str, Case], results: Sequence[Result]) -> list[Row]:
-    """Make the table of every case, cases in the order given, published rows included.
+def summaries_of(
+    case: Case, results: Iterable[Result], printed: Sequence[Printed] | None = None
+) -> tuple[MethodSummary, ...]:
+    """Summarise every method of a case, and what its paper prints: feasible ones by median duration, then the others.
 
     Parameters
     ----------
-    cases : mapping of str to Case
-    results : sequence of Result
-
-    Returns
-    -------
-    list of Row
-        For every case the feasible rows by median duration, then the infeasible ones, then single joints.
+    case : Case
+    results : iterable of Result
+        Those of other cases are passed over.
+    printed : sequence of Printed, optional
+        The judged published motions of the case, where they are known already.
     """
-    return [row for case in cases.values() for row in case_rows(case, [r for r in results if r.cell.case == case.name])]
+    own = sorted((r for r in results if r.cell.case == case.name), key=lambda r: (r.cell.label, r.cell.settings.seed))
+    methods = [_of_runs(case, tuple(runs)) for _, runs in groupby(own, key=lambda run: run.cell.label)]
+    methods += [_of_printed(case, motion) for motion in (printed_motions(case) if printed is None else printed)]
+    return _placed(sorted(methods, key=_order))
 
 
-def case_rows(case: Case, results: Sequence[Result]) -> list[Row]:
-    """Make the ranked table of one case, published rows included."""
-    ordered = sorted(results, key=lambda result: result.cell.label)
-    rows = [_run_row(list(runs)) for _, runs in groupby(ordered, key=lambda result: result.cell.label)]
-    rows += published_rows(case)
-    best = min((row.best for row in rows if row.best is not None and row.joint is None), default=None)
-    return sorted((_with_gap(row, best) for row in rows), key=_rank)
+def lower_bound(methods: Iterable[MethodSummary], freedom: Freedom | None = None) -> float | None:
+    """Highest proved lower bound, s: of any motion through the waypoints, or of motions of one freedom.
 
-
-def published_rows(case: Case) -> list[Row]:
-    """Judge what the case's paper prints.
-
-    Durations printed joint by joint give a row for each joint and one for their maximum per segment; totals without
-    durations give a row that says that there is nothing to judge.
+    A bound on any motion holds for one freedom too; a freedom of which nothing else is proved has no bound of its own.
     """
-    return [_published_row(case, entry) for entry in (*case.published, *_synchronised(case))]
+    methods = tuple(methods)
+    known = [method.bound for method in methods if method.freedom is freedom]
+    own = max((bound for bound in known if bound is not None), default=None)
+    return own if own is None or freedom is None else max(own, lower_bound(methods) or 0.0)
 
 
-def _published_row(case: Case, entry: Published) -> Row:
-    joint = "" if entry.joint is None else f", {case.problem.joint_names[entry.joint]}"
-    label = f"published: {entry.label}{joint}"
-    if entry.durations is None:
-        reason = f"the paper prints no segment durations ({entry.source}), so there is nothing to judge"
-        return Row(
-            case.name, label, "published", CURVE, 1, 0, None, None, None, None, 0, 0.0, reason, claimed=entry.total
-        )
-    row = _row([published_result(case, entry, label)], "published", CURVE)
-    return replace(row, joint=entry.joint, claimed=entry.total)
+def known_times(methods: Sequence[MethodSummary]) -> list[tuple[str, float, str]]:
+    """Best feasible times and proved bounds of a case, freedom by freedom: description, seconds, method."""
+    facts = []
+    for freedom in Freedom:
+        ranked = [method for method in methods if method.rank is not None and method.freedom is freedom and method.best]
+        times = [(float(f"{method.best:.6g}"), method.kind is Kind.SEARCH, method.label) for method in ranked]
+        if times:  # of those alike to six digits one that has no luck of the seed
+            facts.append((f"best known, {freedom}", min(method.best or 0.0 for method in ranked), min(times)[2]))
+        if (bound := lower_bound(methods, freedom)) is not None:
+            facts.append((f"proved lower bound, {freedom}", bound, ""))
+    if (bound := lower_bound(methods)) is not None:
+        facts.append(("proved lower bound, any motion", bound, ""))
+    return facts
 
 
-def published_result(case: Case, entry: Published, label: str) -> Result:
-    """Drive a paper's printed segment durations on its curve and judge the motion."""
-    problem = case.problem if entry.joint is None else case.problem.joint(entry.joint)
-    settings = replace(case.settings, curve=case.curve)
-    plan, verdict = Plan(Status.FINISHED, durations=entry.durations, message=entry.source), None
-    try:
-        motion = curve_named(case.curve).motion(problem.waypoints, np.asarray(entry.durations))
-        plan, verdict = replace(plan, motion=motion), judge(problem, motion)
-    except StudyError as error:
-        plan = replace(plan, status=Status.FAILED, message=str(error))
-    return Result(
-        cell=Cell(case.name, "published", label, settings),
-        status=plan.status,
-        message=plan.message,
-        motion=plan.motion,
-        verdict=verdict,
-        durations=plan.durations,
-        evaluations=0,
-        iterations=0,
-        history=plan.history,
-        details={},
-        wall_time=0.0,
-    )
+def names_explained(methods: Iterable[MethodSummary]) -> dict[str, str]:
+    """Lines with which the planners describe themselves, by name."""
+    return dict(sorted((method.planner, method.about) for method in methods if method.about))
 
 
-def _synchronised(case: Case) -> list[Published]:
-    """Printed per-joint durations put together by the papers' rule: the longest of every segment."""
-    together = []
-    printed = [entry for entry in case.published if entry.joint is not None and entry.durations is not None]
-    whole = {entry.label for entry in case.published if entry.joint is None and entry.durations is not None}
-    for label in dict.fromkeys(entry.label for entry in printed):
-        parts = {e.joint: np.asarray(e.durations, dtype=float) for e in printed if e.label == label}
-        if len(parts) == case.problem.n_joints and label not in whole:
-            durations = np.max(list(parts.values()), axis=0)
-            together.append(Published(label, None, durations, None, "longest printed duration of every segment"))
-    return together
+def bound_of(result: Result) -> float | None:
+    """Proved lower bound that a run brings, s."""
+    return result.details.get("lower_bound")
 
 
-def _run_row(results: list[Result]) -> Row:
-    name = results[0].cell.planner
-    try:
-        planner = planner_named(name)
-    except StudyError:  # stored by a planner that is no longer installed
-        return _row(results, "search" if results[0].evaluations else "deterministic", "")
-    return _row(results, "search" if planner.stochastic else "deterministic", planner.freedom)
-
-
-def _row(results: list[Result], kind: str, path: str) -> Row:
-    feasible = sorted((r for r in results if _feasible(r)), key=_duration)
-    judged = feasible or [r for r in results if r.verdict]
-    durations = [_duration(r) for r in feasible]
-    return Row(
-        case=results[0].cell.case,
-        label=results[0].cell.label,
-        kind=kind,
-        path=path,
-        runs=len(results),
-        feasible_runs=len(feasible),
-        best=durations[0] if durations else None,
-        median=float(np.median(durations)) if durations else None,
-        gap=None,
-        worst_ratio=max((r.verdict.worst_ratio for r in judged if r.verdict), default=None),
-        evaluations=round(float(np.median([r.evaluations for r in results]))),
-        wall_time=float(np.median([r.wall_time for r in results])),
-        reason=_reason([r for r in results if not _feasible(r)], len(results)),
-        representative=feasible[(len(feasible) - 1) // 2] if feasible else min(results, key=_violation),
-    )
-
-
-def _feasible(result: Result) -> bool:
+def is_feasible(result: Result) -> bool:
+    """Whether the judge passed the motion of a run."""
     return result.verdict is not None and result.verdict.feasible
+
+
+def _of_runs(case: Case, runs: tuple[Result, ...]) -> MethodSummary:
+    planner = _installed(runs[0].cell.planner)
+    moving = next((run.motion for run in runs if run.motion is not None), None)
+    if moving is None and any(bound_of(run) is not None for run in runs):
+        kind: Kind = Kind.BOUND
+    else:
+        stochastic = planner.stochastic if planner else runs[0].evaluations > 0
+        kind = Kind.SEARCH if stochastic else Kind.DETERMINISTIC
+    freedom = planner.freedom if planner else _freedom_seen(case, moving)
+    return MethodSummary(
+        case=case.name,
+        label=runs[0].cell.label,
+        kind=kind,
+        freedom=None if kind is Kind.BOUND else freedom,
+        about=planner.about if planner else "",
+        results=runs,
+    )
+
+
+def _installed(name: str) -> Planner | None:
+    """Planner of a stored run; None where it is no longer installed."""
+    try:
+        return planner_named(name)
+    except StudyError:
+        return None
+
+
+def _freedom_seen(case: Case, motion: Motion | None) -> Freedom | None:
+    """Tell from a motion what a planner that is no longer installed was free to change."""
+    if motion is None:
+        return None
+    return Freedom.CURVE if on_curve(case.problem, case.curve, motion) else Freedom.FREE
+
+
+def on_curve(problem: Problem, curve: str, motion: Motion) -> bool:
+    """Rebuild the curve from the motion's own segment durations and compare the two."""
+    try:
+        rebuilt = CURVES[curve].motion(problem.waypoints, np.diff(motion.waypoint_times))
+    except StudyError:
+        return False
+    times = np.linspace(0.0, motion.duration, 101)
+    scale = max(float(np.ptp(problem.waypoints)), 1e-9)
+    return bool(np.abs(rebuilt(times) - motion(times)).max() <= 1e-6 * scale)
+
+
+def _of_printed(case: Case, printed: Printed) -> MethodSummary:
+    return MethodSummary(
+        case=case.name,
+        label=printed.label,
+        kind=Kind.PUBLISHED,
+        freedom=Freedom.CURVE,
+        results=() if printed.result is None else (printed.result,),
+        joint=printed.joint,
+        claimed=printed.total,
+        remark=printed.remark,
+    )
+
+
+def _placed(methods: Sequence[MethodSummary]) -> tuple[MethodSummary, ...]:
+    """Give ordered methods their ranks and gaps."""
+    places, bound = count(1), lower_bound(methods)
+    whole = [method for method in methods if method.median is not None and method.joint is None]
+    shortest = {freedom: _shortest(m for m in whole if m.freedom is freedom) for freedom in (*Freedom, None)}
+    overall = _shortest(whole)
+    return tuple(
+        replace(
+            method,
+            rank=next(places),
+            gap=_above(method, overall),
+            behind_same_kind=_above(method, shortest[method.freedom]),
+            above_bound=_above(method, bound),
+        )
+        if method in whole
+        else method
+        for method in methods
+    )
+
+
+def _shortest(methods: Iterable[MethodSummary]) -> float | None:
+    return min((method.best for method in methods if method.best is not None), default=None)
+
+
+def _above(method: MethodSummary, least: float | None) -> float | None:
+    return None if method.median is None or least is None else method.median / least - 1.0
 
 
 def _duration(result: Result) -> float:
@@ -212,21 +340,6 @@ def _violation(result: Result) -> float:
     return result.verdict.violation if result.verdict else np.inf
 
 
-def _reason(infeasible: list[Result], runs: int) -> str:
-    if not infeasible:
-        return ""
-    ordered = sorted(infeasible, key=_violation)
-    sentences = [r.verdict.reasons[0] if r.verdict else r.message or r.status.value for r in ordered]
-    share = f"{len(infeasible)} of {runs} runs: " if runs > 1 else ""
-    return share + Counter(sentences).most_common(1)[0][0]
-
-
-def _with_gap(row: Row, best: float | None) -> Row:
-    if row.median is None or best is None or row.joint is not None:
-        return row
-    return replace(row, gap=row.median / best - 1.0)
-
-
-def _rank(row: Row) -> tuple[bool, bool, float, str]:
-    duration = np.inf if row.duration is None else row.duration
-    return row.joint is not None, not row.feasible, duration, row.label
+def _order(method: MethodSummary) -> tuple[bool, bool, float, str]:
+    duration = np.inf if method.judged_duration is None else method.judged_duration
+    return method.joint is not None, not method.feasible, duration, method.label

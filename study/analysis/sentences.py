@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from study.analysis.featured import LEVEL, Featured
 from study.analysis.formatting import count, listed, percent, plural, seconds, wall
-from study.analysis.rows import Entry
+from study.analysis.methods import MethodSummary
 
 
 def answer(cases: Sequence[Featured], budgets: Sequence[int] = ()) -> tuple[str, ...]:
@@ -32,17 +32,17 @@ def _whole(*sentences: str) -> tuple[str, ...]:
     return tuple(re.sub(r"(?<=\d) (?=%|s\b|ms\b)", "\u00a0", sentence) for sentence in sentences if sentence)
 
 
-def _compared(cases: Sequence[Featured]) -> list[tuple[Entry, Entry]]:
+def _compared(cases: Sequence[Featured]) -> list[tuple[MethodSummary, MethodSummary]]:
     return [
         (case.search, case.optimiser)
         for case in cases
-        if case.search and case.optimiser and case.search.row.feasible and case.optimiser.row.feasible
+        if case.search and case.optimiser and case.search.feasible and case.optimiser.feasible
     ]
 
 
-def _relative(entry: Entry, reference: Entry, best: bool = False) -> float:
-    value = entry.row.best if best else entry.row.median
-    return (value or 0.0) / (reference.row.median or 1.0) - 1.0
+def _relative(method: MethodSummary, reference: MethodSummary, best: bool = False) -> float:
+    value = method.best if best else method.median
+    return (value or 0.0) / (reference.median or 1.0) - 1.0
 
 
 def _span(values: Sequence[float]) -> str:
@@ -73,7 +73,7 @@ def _who_wins(cases: Sequence[Featured]) -> str:
     lead = "No" if not ahead else "Sometimes" if ahead < len(gaps) else "Yes"
     return (
         f"{lead}: on the same curve the best metaheuristic is {counts} of {plural(len(gaps), 'case')} against a plain "
-        f"deterministic optimiser; it takes {_span(gaps)} ({_seeds([one for one, _ in pairs], _span(best))})."
+        f"deterministic optimiser; it takes {_span(gaps)} ({_seeds([search for search, _ in pairs], _span(best))})."
     )
 
 
@@ -86,15 +86,15 @@ def _who_wins_here(best: Featured) -> str:
     lead = "Yes" if luck < -LEVEL else "No"
     usual, lucky = _span([_relative(search, plain)]), _span([luck])
     return (
-        f"{lead}: on the same curve the best metaheuristic (`{search.label}`) takes {seconds(search.row.median)} and the "
-        f"deterministic `{plain.label}` {seconds(plain.row.median)}: {usual} "
+        f"{lead}: on the same curve the best metaheuristic (`{search.label}`) takes {seconds(search.median)} and the "
+        f"deterministic `{plain.label}` {seconds(plain.median)}: {usual} "
         f"({_seeds([search], 'too' if lucky == usual else lucky)})."
     )
 
 
-def _seeds(searches: Sequence[Entry], lucky: str) -> str:
-    """What the time before it is taken over, and what the best seed brings."""
-    seeds = sorted({search.row.runs for search in searches})
+def _seeds(searches: Sequence[MethodSummary], lucky: str) -> str:
+    """Say over how many seeds the median is taken, and the gain of the best one."""
+    seeds = sorted({search.runs for search in searches})
     if seeds[-1] == 1:
         return "one seed"
     over = plural(seeds[0], "seed") if len(seeds) == 1 else f"{seeds[0]} to {seeds[-1]} seeds"
@@ -103,15 +103,11 @@ def _seeds(searches: Sequence[Entry], lucky: str) -> str:
 
 def _what_it_costs(cases: Sequence[Featured], budgets: Sequence[int]) -> str:
     pairs = _compared(cases)
-    times = [
-        (search.row.wall_time, plain.row.wall_time)
-        for search, plain in pairs
-        if search.row.wall_time and plain.row.wall_time
-    ]
+    times = [(search.wall_time, plain.wall_time) for search, plain in pairs if search.wall_time and plain.wall_time]
     if not times:
         return ""
     ours, theirs = ([pair[k] for pair in times] for k in (0, 1))
-    spent = [search.row.evaluations for search, _ in pairs]
+    spent = [search.evaluations for search, _ in pairs]
     whose = "the paper's" if len(budgets) == 1 else "the papers'"
     aside = f" ({whose} own budget is {_counts(budgets)}: `study run --full`)" if set(budgets) - set(spent) else ""
     return (
@@ -136,7 +132,7 @@ def _what_the_curve_costs(cases: Sequence[Featured]) -> str:
     for role, words in (("free", "with the path between the waypoints free"), ("fixed", "along a fixed path")):
         freed = [(getattr(case, role), case.reference) for case in fair if getattr(case, role) in _freed(case)]
         if freed:
-            parts.append(f"{_span([_relative(one, plain) for one, plain in freed if plain])} {words}")
+            parts.append(f"{_span([_relative(method, plain) for method, plain in freed if plain])} {words}")
     unlimited = sum(case.velocity_only for case in cases)
     aside = f"; {plural(unlimited, 'case')} without acceleration limits not counted" if unlimited else ""
     return (
@@ -145,15 +141,15 @@ def _what_the_curve_costs(cases: Sequence[Featured]) -> str:
     )
 
 
-def _freed(case: Featured) -> list[Entry]:
+def _freed(case: Featured) -> list[MethodSummary]:
     """Planners off the curve that found a feasible motion."""
-    return [one for one in (case.free, case.fixed) if one is not None and one.row.feasible]
+    return [method for method in (case.free, case.fixed) if method is not None and method.feasible]
 
 
 def _blame(cases: Sequence[Featured]) -> str:
     """In how many cases giving up the curve gains more than the search loses on it."""
     both = [
-        (min(_relative(one, plain) for one in _freed(case)), abs(_relative(search, plain)))
+        (min(_relative(method, plain) for method in _freed(case)), abs(_relative(search, plain)))
         for case in cases
         for search, plain in _compared([case])
     ]
@@ -165,11 +161,11 @@ def _blame(cases: Sequence[Featured]) -> str:
 
 
 def _off_the_curve(best: Featured) -> str:
-    """What the planners with more freedom gain on one case."""
+    """Say how much time the planners with more freedom gain on one case."""
     parts = [
-        f"{words} `{entry.label}` takes {_span([_relative(entry, best.reference)])} ({seconds(entry.row.median)})"
-        for entry, words in ((best.free, "with a free path"), (best.fixed, "along a fixed path"))
-        if entry is not None and entry.row.feasible and best.reference is not None
+        f"{words} `{method.label}` takes {_span([_relative(method, best.reference)])} ({seconds(method.median)})"
+        for method, words in ((best.free, "with a free path"), (best.fixed, "along a fixed path"))
+        if method is not None and method.feasible and best.reference is not None
     ]
     if not parts:
         return ""

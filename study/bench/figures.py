@@ -12,8 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from study.bench.growth import LABELS, Point
-from study.report.drawn import DASHES, GRID, MARKERS, RC, SERIES
-from study.report.svg import themed
+from study.report.plot_style import DASHES, GRID, MARKERS, RC, SERIES, themed
 
 AXES = {"waypoints": "waypoints", "joints": "joints", "population": "candidates in one call"}
 

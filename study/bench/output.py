@@ -1,4 +1,4 @@
-"""What the report and a recording of one case cost."""
+"""Cost of the report and of a recording of one case."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import tempfile
 from functools import partial
 from pathlib import Path
 
+from study.analysis.case_summary import summarise
 from study.bench.measuring import Ratio, interleaved
 from study.cases.library import load_case
 from study.runs.environment import environment
@@ -25,11 +26,12 @@ def output_rows(repetitions: int) -> list[Ratio]:
     case = load_case(CASE)
     cells = make_cells([case], [Spec(name) for name in PLANNERS], Budget(seeds=2, evaluations=500))
     results = [execute(Task(cell, case.problem)) for cell in cells]
+    summaries = summarise({case.name: case}, results)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)
         calls = {
-            "report": partial(build_report, {case.name: case}, results, out / "report", environment()),
-            "recording": partial(record_case, case, results, out / "case.rrd"),
+            "report": partial(build_report, summaries, out / "report", environment()),
+            "recording": partial(record_case, summaries[0], out / "case.rrd"),
         }
         taken = interleaved(calls, repetitions, dict.fromkeys(calls, 1))
     return [

@@ -15,9 +15,9 @@ from study.errors import StudyError
 from study.planning import Plan, RunSettings, Status
 from study.problem import Problem
 from study.registry import planner_named
+from study.runs.lineup import TIMED
 
 TOPIC = "Deterministic planners"
-PLANNERS = ("casadi-nlp", "toppra", "ruckig-stops", "ruckig-via", "copp")
 QUICK_CASES = ("woodworking", "ur5-helix")
 CASES = ("woodworking", "aubo-i5", "puma560", "ur5-bspline", "ur5-helix")
 
@@ -31,7 +31,7 @@ def _case_rows(name: str, repetitions: int) -> list[Ratio]:
     case = load_case(name)
     rows = []
     logging.getLogger("toppra").setLevel(logging.WARNING)
-    for planner in PLANNERS:
+    for planner in TIMED:
         label = f"{planner} on {name}"
         try:
             plan = partial(planner_named(planner).plan, case.problem, RunSettings(curve=case.settings.curve))

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from study.analysis.case_summary import summarise
 from study.api import COMPARED, Planned
 from study.api import plan as plan_motion
 from study.cases.library import Case, case_names, load_case
@@ -204,7 +205,7 @@ def _link_comparison(out: Path) -> None:
     with Store(out / STORE_NAME, cases, write=False) as store:
         results = store.results(cells)
     if results:
-        build_report(cases, results, out / "report", environment(), audit_flags(out), sources)
+        build_report(summarise(cases, results), out / "report", environment(), audit_flags(out), sources)
 
 
 def _compared(planners: Sequence[str] | None) -> tuple[Any, ...]:

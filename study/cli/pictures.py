@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from study.analysis.case_summary import summarise
 from study.cases.library import load_case
 from study.cli.run import DEFAULT_OUT, STORE_NAME, Out, make_console, recording_file
 from study.errors import StudyError
@@ -34,16 +35,22 @@ def pictures(
     if joint > loaded.problem.n_joints:
         raise StudyError(f"case {case!r} has {loaded.problem.n_joints} joints, got joint {joint}")
     with Store(out / STORE_NAME, cases, write=False) as store:
-        results = store.results(cells)
-    from study.recording import record_case
-    from study.report.pictures import write_pictures  # here: matplotlib and rerun are slow to import
+        summaries = {each.case.name: each for each in summarise(cases, store.results(cells))}
+    from study.recording import picture, record_case
+    from study.report.pictures import (  # here: matplotlib and rerun are slow to import
+        midway,
+        pictures_of,
+        small,
+        write_pictures,
+    )
     from study.report.readme import answer_in_markdown, put_answer
 
     if readme is not None:
-        put_answer(readme, answer_in_markdown(cases, results))
-    own = [one for one in results if one.cell.case == case]
-    recording = record_case(loaded, own, recording_file(out, case))
-    for path in write_pictures(loaded, own, joint - 1, recording, folder):
+        put_answer(readme, answer_in_markdown(list(summaries.values())))
+    contents = pictures_of(summaries[case], joint - 1)
+    recording = record_case(summaries[case], recording_file(out, case))
+    contents["viewer.png"] = small(picture(recording, midway(summaries[case])))
+    for path in write_pictures(folder, case, contents):
         make_console().print(str(path), soft_wrap=True)
 
 

@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from study.analysis.methods import summarise
+from study.analysis.case_summary import CaseSummary, summarise
 from study.cases.library import Case
 from study.cli import terminal
 from study.io.filenames import file_stem
@@ -170,12 +170,12 @@ def show(
     interactive: bool = False,
 ) -> None:
     """Print the table of every case and, if so wanted, write the report and the recordings, `interactive` as pages too."""
-    rows, flagged = summarise(cases, results), audit_flags(out)
-    for case in cases.values():
-        console.print(terminal.rows_table(case, [row for row in rows if row.case == case.name], flagged))
+    summaries, flagged = summarise(cases, results), audit_flags(out)
+    for summary in summaries:
+        console.print(terminal.methods_table(summary, flagged))
     if with_report:
         with console.status("writing the report and the recordings"):
-            page, recordings = write(cases, results, out, flagged, interactive)
+            page, recordings = write(summaries, out, flagged, interactive)
         console.print(
             f"report: {page}", f"recordings: {recordings} (open one with `study view CASE`)", sep="\n", soft_wrap=True
         )
@@ -183,8 +183,7 @@ def show(
 
 
 def write(
-    cases: Mapping[str, Case],
-    results: Sequence[Result],
+    summaries: Sequence[CaseSummary],
     out: Path,
     flagged: Mapping[str, str],
     interactive: bool = False,
@@ -194,17 +193,16 @@ def write(
     from study.recording import forget_pages, interactive_pages, record_case
     from study.report.page import build_report, slugs, write_viewers  # here: matplotlib and rerun are slow to import
 
-    for case in cases.values():
-        own = [result for result in results if result.cell.case == case.name]
-        if own:  # a run that was stopped may not have come to every case
-            record_case(case, own, recording_file(out, case.name))
+    for summary in summaries:
+        if summary.ran:  # a run that was stopped may not have come to every case
+            record_case(summary, recording_file(out, summary.case.name))
     forget_pages(out / "report")
     if interactive:
-        shown = slugs(cases[name] for name in cases if any(result.cell.case == name for result in results))
+        shown = slugs(summary.case for summary in summaries if summary.ran)
         files = {slug: recording_file(out, case.name) for slug, case in shown.items()}
         write_viewers(interactive_pages(files, out / "report"), shown, out / "report")
     sources = remembered_lineup(out / STORE_NAME)[1] if (out / STORE_NAME).is_file() else {}
-    index = build_report(cases, results, out / "report", environment(), flagged, sources)
+    index = build_report(summaries, out / "report", environment(), flagged, sources)
     return index, out / "recordings"
 
 

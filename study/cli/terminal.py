@@ -12,16 +12,14 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.table import Table
 from rich.text import Text
 
-from study.analysis.methods import Row
+from study.analysis.case_summary import CaseSummary
+from study.analysis.formatting import DASH, figures, percent, share
+from study.analysis.methods import Kind, MethodSummary, Standing
 from study.cases.ledger import Entry
 from study.cases.library import Case
 from study.judge import RATES, Verdict
-from study.planning import Planner, Status
+from study.planning import Planner
 from study.problem import Problem
-
-DASH = "–"
-SHORT = 0.01
-"""Durations below this many seconds are written with significant digits, not decimals."""
 
 
 def progress(console: Console) -> Progress:
@@ -39,18 +37,18 @@ def progress(console: Console) -> Progress:
 
 NOTE = (
     "path: what a method may change; times on different paths answer different questions. gap: above the shortest "
-    "feasible duration known, on whatever path; to bound: above what no motion through the waypoints can undercut."
+    "feasible duration known, on whatever path; above bound: above what no motion through the waypoints can undercut."
 )
 
 
 FLAGGED = " ⚑: its result depends on where in its box the optimum stands (`study compare`)."
 
 
-def rows_table(case: Case, rows: Sequence[Row], flags: Collection[str] = ()) -> Table:
+def methods_table(summary: CaseSummary, flags: Collection[str] = ()) -> Table:
     """Table of one case: every method, feasible ones first, with the reason where one is infeasible; `flags` get a mark."""
-    title = f"{case.name}: {case.title} (limits: {case.limits_label})"
+    case = summary.case
     table = Table(
-        title=title,
+        title=f"{case.name}: {case.title} (limits: {case.limits_label})",
         title_justify="left",
         header_style="bold",
         caption=NOTE + FLAGGED * bool(flags),
@@ -58,63 +56,44 @@ def rows_table(case: Case, rows: Sequence[Row], flags: Collection[str] = ()) -> 
     )
     table.add_column("method", no_wrap=True)
     table.add_column("path", no_wrap=True)
-    for name in ("duration (s)", "gap", "to bound", "feasible", "worst ratio", "evaluations", "wall (s)"):
+    for name in ("duration (s)", "gap", "above bound", "feasible", "worst ratio", "evaluations", "wall (s)"):
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("reason", overflow="fold", style="dim")
-    bound = max((known for row in rows if (known := any_motion_bound(row)) is not None), default=None)
-    for row in rows:
-        proof = any_motion_bound(row) is not None
-        table.add_row(
-            *_cells(row, bound, _planner(row) in flags), style="bold" if proof else "" if row.feasible else "red"
-        )
+    for method in summary.methods:
+        style = "bold" if method.kind is Kind.BOUND else "" if method.feasible else "red"
+        table.add_row(*_method_row(method, method.kind is Kind.SEARCH and method.planner in flags), style=style)
     return table
 
 
-def _seconds(value: float) -> str:
-    return f"{value:.5f}" if value >= SHORT else f"{value:.5g}"
-
-
-def any_motion_bound(row: Row) -> float | None:
-    """Proved lower bound on any motion through the waypoints, s, where a row has no motion but such a proof."""
-    shown = row.representative
-    return None if shown is None or shown.motion is not None else shown.details.get("lower_bound")
-
-
-def _planner(row: Row) -> str | None:
-    return row.representative.cell.planner if row.representative and row.kind == "search" else None
-
-
-def _cells(row: Row, bound: float | None, flagged: bool) -> tuple[str | Text, ...]:
-    duration = row.duration if row.duration is not None else row.claimed
-    judged = row.representative is not None
-    proved = any_motion_bound(row)
-    above = None if row.gap is None or row.median is None or bound is None else row.median / bound - 1.0
+def _method_row(method: MethodSummary, flagged: bool) -> tuple[str | Text, ...]:
+    bound = method.kind is Kind.BOUND
     return (
-        Text(row.label + " ⚑" * flagged),
-        row.path.removesuffix(" path") if proved is None else "any",
-        f"≥ {_seconds(proved)}"
-        if proved
-        else DASH
-        if duration is None
-        else _seconds(duration)
-        if judged
-        else f"({duration:g})",
-        DASH if row.gap is None else f"{100 * row.gap:.2f} %",
-        DASH if above is None else f"{100 * above:.2f} %",
-        "bound" if proved is not None else _share(row) if judged else "not judged",
-        DASH if row.worst_ratio is None else f"{row.worst_ratio:.4f}",
-        f"{row.evaluations:,}" if row.evaluations else DASH,
-        DASH if row.kind == "published" else f"{row.wall_time:.3g}",
-        Text(row.reason),
+        Text(method.label + " ⚑" * flagged),
+        "any" if bound else (method.freedom or "").removesuffix(" path"),
+        f"≥ {figures(method.bound)}" if bound else _duration_text(method),
+        percent(method.gap, signed=False),
+        percent(method.above_bound, signed=False),
+        _share(method),
+        share(method.worst_ratio),
+        f"{method.evaluations:,}" if method.evaluations else DASH,
+        DASH if method.kind is Kind.PUBLISHED else f"{method.wall_time:.3g}",
+        Text(method.reason),
     )
 
 
-def _share(row: Row) -> str:
-    if row.representative is not None and row.representative.status is Status.NOT_APPLICABLE:
-        return "n/a"
-    if row.runs == 1:
-        return "yes" if row.feasible else "no"
-    return f"{row.feasible_runs} of {row.runs}"
+def _duration_text(method: MethodSummary) -> str:
+    if method.standing is Standing.UNJUDGED and method.claimed is not None:
+        return f"({method.claimed:g})"
+    return figures(method.duration)
+
+
+def _share(method: MethodSummary) -> str:
+    said = {Standing.BOUND: "bound", Standing.UNJUDGED: "not judged", Standing.INAPPLICABLE: "n/a"}
+    if method.standing in said:
+        return said[method.standing]
+    if method.runs == 1:
+        return "yes" if method.feasible else "no"
+    return f"{method.feasible_runs} of {method.runs}"
 
 
 def times_text(times: Iterable[float], duration: float) -> str:

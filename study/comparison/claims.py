@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from study.analysis.methods import published_rows
+from study.analysis.methods import summaries_of
 from study.cases.library import Case
 from study.cases.published import claims
 from study.comparison import statistics
@@ -201,9 +201,9 @@ def _adjusted(found: Sequence[Counterpart]) -> list[Counterpart]:
 def _published(case: Case, total: float) -> tuple[bool | None, str]:
     """Judge the printed motion whose total is the claimed one."""
     near = [
-        row
-        for row in published_rows(case)
-        if row.joint is None and row.duration is not None and abs(row.duration - total) < 0.006
+        method
+        for method in summaries_of(case, ())
+        if method.joint is None and method.judged_duration is not None and abs(method.judged_duration - total) < 0.006
     ]
     if not near:
         return None, "no printed segment durations add up to it"

@@ -9,27 +9,17 @@ import numpy as np
 
 from study.cases.library import Case
 from study.comparison.effort import Effort
-from study.planning import Freedom
+from study.planners.other_searches import MinimiserPlanner
+from study.planning import Formulation, Freedom
 from study.problem import Floats
 from study.registry import planner_named, planner_names, unavailable_planners
-from study.runs.lineup import Spec, make_cells
+from study.runs.lineup import CONTESTANTS, REPEATED, YARDSTICKS, Spec, make_cells
 from study.store.results import Cell, Result
 
 LEVELS = {
     "scaled": "every candidate stretched until it is exactly feasible, all joints together",
     "penalty": "the papers' form: total time plus a penalty where a limit is broken, all joints together",
 }
-TRIVIAL = ("random-search", "centre", "lbfgsb-once")
-SEARCHES = (
-    "pso", "pso-basic", "simple-pso", "gold-sa", "golds-pso", "dynamic-adaptive-pso", "woa", "sma", "smwoa", "ssa",
-    "tadf-ssa", "chaotic-spso", "de", "cma-es", "scipy-de",
-)  # fmt: skip
-ALWAYS_SCALED = ("centre", "lbfgsb-once")
-"""They need the scaled formulation and stand in the tables of both levels with it."""
-
-FASTEST = ("ruckig-stops",)
-"""Deterministic, and so fast that one call says nothing of their wall time."""
-
 SAME = 1e-9
 """Relative difference from which two durations name different records."""
 
@@ -101,22 +91,28 @@ def installed(names: Sequence[str]) -> list[str]:
 
 def level_cells(cases: Sequence[Case], level: str, effort: Effort) -> list[Cell]:
     """Cells of all budgeted contestants of a level: equal budgets, the same seeds for all."""
-    names = installed((*TRIVIAL, *SEARCHES))
-    specs = [Spec(name, "scaled" if name in ALWAYS_SCALED else level, "shared") for name in names]
+    names = installed((*YARDSTICKS, *CONTESTANTS))
+    specs = [Spec(name, "scaled" if needs_scaling(name) else level, "shared") for name in names]
     return make_cells(cases, specs, effort.budget)
 
 
-def solver_cells(cases: Sequence[Case], effort: Effort) -> list[Cell]:
-    """Cells of the planners that are compared on wall time and duration; the fastest are called again and again.
+def needs_scaling(name: str) -> bool:
+    """Whether a planner takes the scaled formulation whatever it is asked for, and so stands in the tables of both levels."""
+    planner = planner_named(name)
+    return isinstance(planner, MinimiserPlanner) and planner.formulation is Formulation.SCALED
 
-    A process loads a library at its first call, which takes longer than Ruckig's motion; the median is of loaded ones.
+
+def solver_cells(cases: Sequence[Case], effort: Effort) -> list[Cell]:
+    """Cells of the planners that are compared on wall time and duration; the fastest are repeated.
+
+    Repeated, because the first call includes library loading.
     """
     specs = [
         Spec(name, "scaled", "shared") if planner_named(name).freedom is Freedom.CURVE else Spec(name)
         for name in installed(effort.solvers)
     ]
     cells = make_cells(cases, specs, effort.budget)
-    return [one for cell in cells for one in (_again(cell, effort.seeds) if cell.planner in FASTEST else [cell])]
+    return [one for cell in cells for one in (_again(cell, effort.seeds) if cell.planner in REPEATED else [cell])]
 
 
 def _again(cell: Cell, times: int) -> list[Cell]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from study.runs.lineup import FULL_SEEDS, QUICK_EVALUATIONS, TIME_LIMIT, Budget
+from study.runs.lineup import FULL_SEEDS, QUICK_EVALUATIONS, SLOW_SOLVERS, SOLVERS, TIME_LIMIT, Budget
 
 QUICK_CASES = ("woodworking", "ur5-helix")
 
@@ -55,7 +55,7 @@ class Effort:
     dosed: tuple[str, ...] = ("sphere",)
     audit_cases: Collection[str] | None = QUICK_CASES
     printed: bool = False
-    solvers: tuple[str, ...] = ("casadi-nlp", "direct", "lbfgsb", "ruckig-stops", "toppra")
+    solvers: tuple[str, ...] = SOLVERS
     formulations: tuple[str, ...] = ("penalty",)
 
     @property
@@ -82,6 +82,6 @@ FULL = Effort(
     dosed=("sphere", "rastrigin"),
     audit_cases=None,
     printed=True,
-    solvers=("casadi-nlp", "direct", "lbfgsb", "ruckig-stops", "ruckig-via", "toppra"),
+    solvers=(*SOLVERS, *SLOW_SOLVERS),
     formulations=("penalty", "scaled"),
 )

@@ -18,8 +18,7 @@ from study.comparison.audit import figure as figure_text
 from study.comparison.differences import Omnibus
 from study.comparison.performance import Anytime, Distribution
 from study.comparison.tasks import CENTRED, REFLECTED
-from study.report.drawn import DASHES, GRID, INK, MARKERS, MUTED, RC, SERIES
-from study.report.svg import themed
+from study.report.plot_style import DASHES, GRID, INK, MARKERS, MUTED, RC, SERIES, themed
 
 LEAST = 1e-6
 """Smallest share above the reference that a logarithmic axis shows."""

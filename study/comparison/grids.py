@@ -12,7 +12,7 @@ from study.analysis.formatting import DASH, count, percent, seconds
 from study.comparison.ablations import AblationFinding
 from study.comparison.audit import AXES, FunctionFinding, TrajectoryFinding, figure
 from study.comparison.claims import Against, Counterpart
-from study.comparison.contestants import TRIVIAL, Contestant, Reference
+from study.comparison.contestants import Contestant, Reference
 from study.comparison.differences import Omnibus, Pairing
 from study.comparison.performance import Performance
 from study.comparison.records import target_name
@@ -20,6 +20,7 @@ from study.comparison.runtime import TARGETS
 from study.comparison.sentences import micro, p_value
 from study.comparison.statistics import Interval
 from study.comparison.tasks import SHIFTED
+from study.runs.lineup import YARDSTICKS
 
 FLAG = "⚑"
 Cell = str | Markup
@@ -38,7 +39,7 @@ class Grid:
 def name_of(planner: str, flags: Mapping[str, str]) -> Cell:
     """Name of a planner; flagged with its reason where the audit found one, and marked where it is a trivial opponent."""
     mark = Markup(' <abbr title="{}">{}</abbr>').format(flags[planner], FLAG) if planner in flags else Markup("")
-    note = Markup(' <span class="note">trivial</span>') if planner in TRIVIAL else Markup("")
+    note = Markup(' <span class="note">trivial</span>') if planner in YARDSTICKS else Markup("")
     return escape(planner) + mark + note
 
 

@@ -11,13 +11,14 @@ from markupsafe import Markup
 from study.comparison import figures, grids, records, sentences
 from study.comparison.ablations import ABLATIONS, PLAIN
 from study.comparison.build import Comparison
-from study.comparison.contestants import LEVELS, TRIVIAL
+from study.comparison.contestants import LEVELS
 from study.comparison.differences import CONTROLS
 from study.comparison.grids import Grid
 from study.comparison.ioh import write_ioh
 from study.comparison.performance import anytime, distributions
 from study.errors import StudyError
 from study.report.rendering import render
+from study.runs.lineup import YARDSTICKS
 
 PAGES = {
     "index": "Claims",
@@ -153,7 +154,7 @@ def _styles(found: Comparison) -> dict[str, int]:
     """Styles of the lines worth telling apart: the trivial opponents that move, PSO, and the best searches by rank."""
     ranked = found.omnibus[0].planners if found.omnibus else tuple(one.planner for one in found.levels["scaled"])
     first = [name for name in ("lbfgsb-once", "random-search", "pso") if name in ranked]
-    rest = [name for name in dict.fromkeys(ranked) if name not in (*first, *TRIVIAL)]
+    rest = [name for name in dict.fromkeys(ranked) if name not in (*first, *YARDSTICKS)]
     return {name: style for style, name in enumerate([*first, *rest][:N_STYLES])}
 
 

@@ -8,15 +8,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from study.analysis.formatting import listed, percent, plural, seconds
-from study.analysis.glossary import PRINTED
 from study.comparison.ablations import ABLATIONS, WHOLE, AblationFinding
 from study.comparison.audit import ALARM, AXES, SIGNIFICANT, FunctionFinding, TrajectoryFinding, figure
 from study.comparison.build import Comparison
 from study.comparison.claims import Against, Counterpart
-from study.comparison.contestants import ALWAYS_SCALED, TRIVIAL
+from study.comparison.contestants import needs_scaling
 from study.comparison.differences import Omnibus
 from study.comparison.performance import Performance
 from study.comparison.statistics import smallest_pair_p
+from study.runs.lineup import YARDSTICKS
 
 
 def p_value(p: float) -> str:
@@ -33,9 +33,9 @@ def micro(wall: float) -> str:
 
 def ranking(found: Omnibus) -> str:
     """Say who ranks first, and where the trivial opponents stand."""
-    scaled = [name for name in ALWAYS_SCALED if name in found.planners and found.level != "scaled"]
+    scaled = [name for name in found.planners if found.level != "scaled" and needs_scaling(name)]
     note = f" ({listed(scaled)} with the scaled one, which they need)" if scaled else ""
-    trivial = [f"{name} {found.planners.index(name) + 1}" for name in TRIVIAL if name in found.planners]
+    trivial = [f"{name} {found.planners.index(name) + 1}" for name in YARDSTICKS if name in found.planners]
     return (
         f"With the {found.level} formulation{note} {found.planners[0]} has the best mean rank over "
         f"{plural(len(found.cases), 'case')} ({found.friedman.mean_ranks[0]:.1f} of {len(found.planners)}); "
@@ -60,14 +60,18 @@ def targets_reached(level: str, measured: Sequence[Performance]) -> str:
     for one in measured:
         shares.setdefault(one.contestant.planner, []).append(float(one.reached.mean()))
     means = {name: float(np.mean(values)) for name, values in shares.items()}
-    best = max((name for name in means if name not in TRIVIAL), key=lambda name: means[name], default=None)
-    trivial = listed([f"{name} {percent(means[name], signed=False)}" for name in TRIVIAL if name in means])
+    best = max((name for name in means if name not in YARDSTICKS), key=lambda name: means[name], default=None)
+    trivial = listed([f"{name} {percent(means[name], signed=False)}" for name in YARDSTICKS if name in means])
     if best is None:
         return f"With the {level} formulation no search was run."
     return (
         f"With the {level} formulation {best} reached {percent(means[best], signed=False)} of all cases, runs and targets, "
         f"the most of the searches; the trivial opponents: {trivial}."
     )
+
+
+PRINTED = "-as-printed"
+"""Ending of the names of searches that follow a paper's formulas exactly as printed."""
 
 
 def named(searches: Mapping[str, str]) -> str:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
-from study.cases.library import Case
+from study.analysis.case_summary import CaseSummary
 from study.recording.contents import gather
 from study.recording.layout import layout
 from study.recording.scene import log_scene, scene_of
@@ -13,12 +12,11 @@ from study.recording.signals import log_activity, log_signals
 from study.recording.stream import APPLICATION, recording_file
 from study.recording.summary import log_convergence, log_metadata, log_summary
 from study.recording.swarm import log_swarms, swarm_views, swarms_of
-from study.store.results import Result
 
 __all__ = ["APPLICATION", "record_case"]
 
 
-def record_case(case: Case, results: Sequence[Result], path: Path, samples: int = 250) -> Path:
+def record_case(summary: CaseSummary, path: Path, samples: int = 250) -> Path:
     """Write a recording of a case with all methods side by side.
 
     Of every label the run of median rank is shown (feasible before infeasible, then by duration), and beside them what
@@ -30,9 +28,7 @@ def record_case(case: Case, results: Sequence[Result], path: Path, samples: int 
 
     Parameters
     ----------
-    case : Case
-    results : sequence of Result
-        All of this case.
+    summary : CaseSummary
     path : Path
         Replaced only when the new recording is complete.
     samples : int
@@ -46,11 +42,11 @@ def record_case(case: Case, results: Sequence[Result], path: Path, samples: int 
     Raises
     ------
     StudyError
-        If there is nothing to show, a result belongs to another case, or the file cannot be written.
+        If there is nothing to show, or the file cannot be written.
     """
-    contents = gather(case, results, samples)
+    contents = gather(summary, samples)
     swarms, scene = swarms_of(contents), scene_of(contents)
-    with recording_file(path, case.name) as stream:
+    with recording_file(path, summary.case.name) as stream:
         stream.send_blueprint(
             layout(contents, scene, swarm_views(swarms))
         )  # first: else a slow viewer makes up its own

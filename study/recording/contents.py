@@ -1,4 +1,4 @@
-"""What a recording shows: every method of a case, judged, coloured and sampled."""
+"""Contents of a recording: every method of a case, judged, coloured and sampled."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from functools import cached_property
 import numpy as np
 
 from study.analysis.activity import Use, limit_uses
-from study.analysis.featured import Featured, featured
-from study.analysis.methods import CURVE
-from study.analysis.rows import Entry, entries_of
+from study.analysis.case_summary import CaseSummary
+from study.analysis.featured import Featured
+from study.analysis.methods import Kind, MethodSummary, is_feasible
 from study.cases.library import Case
 from study.errors import StudyError
+from study.planning import Freedom
 from study.problem import Floats, JointLimits
-from study.store.results import Result
 from study.trajectory import Extrema, Motion
 
 NANOSECOND = 1e-9
@@ -68,14 +68,14 @@ class Shown:
 
     Attributes
     ----------
-    entry : Entry
+    method : MethodSummary
     motion : Motion
         Of the method's representative run.
     color : tuple of three int
     limits : JointLimits
     """
 
-    entry: Entry
+    method: MethodSummary
     motion: Motion
     color: tuple[int, int, int]
     limits: JointLimits
@@ -97,18 +97,18 @@ class Shown:
     @property
     def label(self) -> str:
         """Name in tables."""
-        return self.entry.label
+        return self.method.label
 
     @property
     def feasible(self) -> bool:
         """Whether the motion shown passed the judge."""
-        run = self.entry.row.representative
-        return run is not None and run.verdict is not None and run.verdict.feasible
+        run = self.method.representative
+        return run is not None and is_feasible(run)
 
     @property
     def published(self) -> bool:
-        """Whether it is what the paper prints."""
-        return self.entry.row.kind == "published"
+        """Whether the paper prints it."""
+        return self.method.kind is Kind.PUBLISHED
 
     @property
     def title(self) -> str:
@@ -122,11 +122,7 @@ class Contents:
 
     Attributes
     ----------
-    case : Case
-    entries : tuple of Entry
-        Rows of the table; single joints are left out.
-    chosen : Featured
-        The best of every kind, for the first look.
+    summary : CaseSummary
     shown : tuple of Shown
         Methods with a motion; of what the paper prints only the shortest.
     best : float, s
@@ -135,35 +131,48 @@ class Contents:
         Evenly spaced samples of every motion; its knots and exact peaks are added.
     """
 
-    case: Case
-    entries: tuple[Entry, ...]
-    chosen: Featured
+    summary: CaseSummary
     shown: tuple[Shown, ...]
     best: float
     samples: int
 
     @property
+    def case(self) -> Case:
+        """The case itself."""
+        return self.summary.case
+
+    @property
+    def methods(self) -> tuple[MethodSummary, ...]:
+        """Methods in order of rank; single joints are left out."""
+        return self.summary.whole
+
+    @property
+    def chosen(self) -> Featured:
+        """The best method of every role, for the first look."""
+        return self.summary.best
+
+    @property
     def longest(self) -> float:
         """Longest duration of any motion, s."""
-        return max((one.motion.duration for one in self.shown), default=1.0)
+        return max((each.motion.duration for each in self.shown), default=1.0)
 
     @property
     def run_time(self) -> float:
         """How long the first look's motions run, s."""
-        return max((one.motion.duration for one in self.compared), default=1.0)
+        return max((each.motion.duration for each in self.compared), default=1.0)
 
     @property
     def first_look(self) -> tuple[Shown, ...]:
         """The featured methods and, where they are few, the next in rank."""
-        others = [one for one in self.shown if one not in self.featured]
+        others = [each for each in self.shown if each not in self.featured]
         picked = {*self.featured, *others[: max(FIRST_LOOK - len(self.featured), 0)]}
-        return tuple(one for one in self.shown if one in picked)
+        return tuple(each for each in self.shown if each in picked)
 
     @property
     def featured(self) -> tuple[Shown, ...]:
         """The best method of every kind, the paper's own planner and what the paper prints, in order of rank."""
-        labels = {entry.label for _, _, entry in self.chosen.present()} | {self.case.planner}
-        return tuple(one for one in self.shown if one.label in labels or one.published)
+        labels = {method.label for _, _, method in self.chosen.present()} | {self.case.planner}
+        return tuple(each for each in self.shown if each.label in labels or each.published)
 
     @property
     def compared(self) -> tuple[Shown, ...]:
@@ -172,42 +181,32 @@ class Contents:
         No infeasible ones but the published, and none far slower.
         """
         wanted = self.featured if len(self.featured) >= FEW else self.first_look
-        judged = [one for one in wanted if one.feasible or one.published]
+        judged = [each for each in wanted if each.feasible or each.published]
         reference = self.chosen.reference
         slowest = 2.5 * (reference.duration or np.inf) if reference is not None else np.inf
-        return tuple(one for one in judged if one.motion.duration <= slowest) or self.first_look
+        return tuple(each for each in judged if each.motion.duration <= slowest) or self.first_look
 
 
-def gather(case: Case, results: Sequence[Result], samples: int) -> Contents:
-    """Choose what to show of a case's results.
+def gather(summary: CaseSummary, samples: int) -> Contents:
+    """Choose the motions to show of a case.
 
     Raises
     ------
     StudyError
-        If a result belongs to another case, or there is nothing to show.
+        If there is nothing to show.
     """
-    strangers = sorted({result.cell.case for result in results} - {case.name})
-    if strangers:
-        raise StudyError(
-            f"recording of case {case.name!r}: got results of case {strangers[0]!r}; give one case's results"
-        )
-    entries = tuple(entry for entry in entries_of(case, results) if entry.row.joint is None)
-    if not entries:
+    case, methods = summary.case, summary.whole
+    if not methods:
         raise StudyError(f"recording of case {case.name!r}: no results; run the case first")
-    chosen = featured(entries)
-    printed = sorted(_moving(entries, published=True), key=lambda pair: pair[1].duration)[:1]
-    moving = [pair for pair in _moving(entries) if pair[0].row.kind != "published" or pair in printed]
-    first = [*(entry.label for _, _, entry in chosen.present()), case.planner, *(entry.label for entry, _ in printed)]
-    colors = method_colors([entry.label for entry, _ in moving], first)
-    shown = tuple(Shown(entry, motion, colors[entry.label], case.problem.limits) for entry, motion in moving)
-    on_curve = [entry.row.best for entry in entries if entry.row.best is not None and entry.path == CURVE]
-    return Contents(case, entries, chosen, shown, min(on_curve, default=np.inf), samples)
-
-
-def _moving(entries: Sequence[Entry], published: bool = False) -> list[tuple[Entry, Motion]]:
-    """Entries that have a motion, each with it; only what the paper prints, if so wanted."""
-    wanted = [entry for entry in entries if entry.row.kind == "published" or not published]
-    return [(entry, entry.motion) for entry in wanted if entry.motion is not None]
+    moving = [(method, method.motion) for method in methods if method.motion is not None]
+    printed = sorted((pair for pair in moving if pair[0].kind is Kind.PUBLISHED), key=lambda pair: pair[1].duration)[:1]
+    moving = [pair for pair in moving if pair[0].kind is not Kind.PUBLISHED or pair in printed]
+    first = [*(method.label for _, _, method in summary.best.present()), case.planner]
+    first += [method.label for method, _ in printed]
+    colors = method_colors([method.label for method, _ in moving], first)
+    shown = tuple(Shown(method, motion, colors[method.label], case.problem.limits) for method, motion in moving)
+    on_curve = [m.best for m in methods if m.best is not None and m.freedom is Freedom.CURVE]
+    return Contents(summary, shown, min(on_curve, default=np.inf), samples)
 
 
 def method_colors(labels: Sequence[str], first: Sequence[str] = ()) -> dict[str, tuple[int, int, int]]:
@@ -233,8 +232,8 @@ def method_colors(labels: Sequence[str], first: Sequence[str] = ()) -> dict[str,
     return colors
 
 
-def _distance(one: Sequence[int], other: Sequence[int]) -> float:
-    return float(np.linalg.norm(np.subtract(one, other)))
+def _distance(color: Sequence[int], other: Sequence[int]) -> float:
+    return float(np.linalg.norm(np.subtract(color, other)))
 
 
 def sample_times(motion: Motion, samples: int, extrema: Sequence[Extrema] = ()) -> np.ndarray:
@@ -262,6 +261,6 @@ def sample_times(motion: Motion, samples: int, extrema: Sequence[Extrema] = ()) 
     return np.unique(np.clip(times, 0, end).astype(np.int64))
 
 
-def seconds(times: np.ndarray) -> Floats:
+def in_seconds(times: np.ndarray) -> Floats:
     """Turn whole nanoseconds into seconds, the way a reader of the recording does."""
     return times * NANOSECOND

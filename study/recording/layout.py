@@ -23,7 +23,7 @@ from study.recording.pictures import (
 )
 from study.recording.scene import OBSTACLES, Look, Scene
 from study.recording.signals import limit_values
-from study.recording.stream import SIGNALS, TIMELINE, entity, method
+from study.recording.stream import SIGNALS, TIMELINE, entity, method_part
 from study.recording.summary import history, ladder_bars
 
 TITLES = ("Position", "Velocity", "Acceleration", "Jerk")
@@ -43,7 +43,7 @@ def layout(contents: Contents, scene: Scene | None, populations: Sequence[Part] 
     if scene is not None:
         if len(contents.case.obstacles):
             tabs.append(rrb.TimeSeriesView(name="Distance to obstacles, m", origin="clearance"))
-        tabs.append(rrb.Grid(*(_arm(one, scene.every) for one in contents.shown), name="All arms"))
+        tabs.append(rrb.Grid(*(_arm(each, scene.every) for each in contents.shown), name="All arms"))
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=0),
         rrb.BlueprintPanel(state="hidden"),
@@ -72,7 +72,7 @@ def _overview(contents: Contents, scene: Scene | None) -> rrb.Container:
     )
     if scene is None:
         return rrb.Horizontal(words, plots, column_shares=[2, 3], name="Overview")
-    first = [_arm(one, scene.first) for one in contents.first_look]
+    first = [_arm(each, scene.first) for each in contents.first_look]
     arms = rrb.Grid(*first, grid_columns=min(3, (len(first) + 1) // 2))
     return rrb.Horizontal(words, rrb.Vertical(arms, plots, row_shares=[3, 2]), column_shares=[2, 3], name="Overview")
 
@@ -80,10 +80,10 @@ def _overview(contents: Contents, scene: Scene | None) -> rrb.Container:
 def active_signals(contents: Contents, wanted: int = 3) -> list[tuple[int, int]]:
     """Orders and joints whose limits the first look's methods use longest; velocities fill up where there are few."""
     shares: dict[tuple[int, int], float] = {}
-    for one in contents.compared:
-        for use in one.uses:
+    for each in contents.compared:
+        for use in each.uses:
             key = (use.order, use.joint)
-            shares[key] = shares.get(key, 0.0) + (use.end - use.start) / one.motion.duration
+            shares[key] = shares.get(key, 0.0) + (use.end - use.start) / each.motion.duration
     ranked = sorted(shares, key=lambda key: (-shares[key], key))[:wanted]
     others = [(1, joint) for joint in range(contents.case.problem.n_joints)]
     return sorted(list(dict.fromkeys([*ranked, *others]))[:wanted])
@@ -106,7 +106,7 @@ def _plot(contents: Contents, order: int, joint: int, only: Sequence[Shown] = ()
     case = contents.case
     joint_name = case.problem.joint_names[joint]
     unit = case.units[joint] + ("", "/s", "/s²", "/s³")[order]
-    within = [f"+ {entity(SIGNALS[order], joint_name, method(one.label))}/**" for one in only]
+    within = [f"+ {entity(SIGNALS[order], joint_name, method_part(each.label))}/**" for each in only]
     limit = f"+ {entity(SIGNALS[order], joint_name, '_limit')}"
     free = "" if order == 0 or limit_values(case, order, joint) is not None else " (no limit)"
     return rrb.TimeSeriesView(
@@ -114,7 +114,7 @@ def _plot(contents: Contents, order: int, joint: int, only: Sequence[Shown] = ()
         origin=entity(SIGNALS[order], joint_name),
         contents=[limit, *within] if only else "$origin/**",
         plot_legend=rrb.PlotLegend(visible=False),
-        axis_x=_time_axis(max(one.motion.duration for one in only)) if only else None,
+        axis_x=_time_axis(max(each.motion.duration for each in only)) if only else None,
         axis_y=_axis(case, order, joint),
     )
 
@@ -133,11 +133,13 @@ def _axis(case: Case, order: int, joint: int) -> rrb.ScalarAxis | None:
     return rrb.ScalarAxis(range=(1.2 * pair[1], 1.2 * pair[0]), zoom_lock=False)
 
 
-def _arm(one: Shown, look: Look) -> rrb.Spatial3DView:
+def _arm(each: Shown, look: Look) -> rrb.Spatial3DView:
     """Look at one method's arm; every arm on a tab is seen from the same place."""
     eye = rrb.EyeControls3D(position=look.eye, look_target=look.target, eye_up=(0.0, 0.0, 1.0))
     parts = ["$origin/**", f"+ {OBSTACLES}"]
-    return rrb.Spatial3DView(name=one.title, origin=entity("arms", method(one.label)), contents=parts, eye_controls=eye)
+    return rrb.Spatial3DView(
+        name=each.title, origin=entity("arms", method_part(each.label)), contents=parts, eye_controls=eye
+    )
 
 
 def drawing(name: str, origin: str, bounds: Bounds) -> rrb.Spatial2DView:
@@ -148,7 +150,7 @@ def drawing(name: str, origin: str, bounds: Bounds) -> rrb.Spatial2DView:
 
 def _convergence(contents: Contents) -> list[Part]:
     """The drawings; the series themselves are in the file too, but would stay empty on the timeline that is active."""
-    searches = sum(len(history(entry)[0]) > 0 for entry in contents.entries)
+    searches = sum(len(history(each)[0]) > 0 for each in contents.methods)
     if not searches or not np.isfinite(contents.best):
         return []
     return [
@@ -158,7 +160,7 @@ def _convergence(contents: Contents) -> list[Part]:
 
 
 def _activity(contents: Contents) -> list[Part]:
-    used = {use.order for one in contents.shown for use in one.uses}
+    used = {use.order for each in contents.shown for use in each.uses}
     lanes = [
         rrb.StateTimelineView(
             name=f"Joints at their {rate} limit, a lane for every method", origin=entity("activity", rate)

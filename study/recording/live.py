@@ -9,15 +9,17 @@ from contextlib import contextmanager
 import rerun as rr
 import rerun.blueprint as rrb
 
+from study.analysis.case_summary import summarise_case
+from study.analysis.published import Printed, printed_motions
 from study.cases.library import Case
 from study.errors import StudyError
-from study.recording.contents import gather, sample_times, seconds
+from study.recording.contents import gather, in_seconds, sample_times
 from study.recording.layout import drawing
 from study.recording.pictures import bars_bounds, curves_bounds
 from study.recording.process import address, require_display, running_viewer
 from study.recording.running import RunningSearches, running_view
 from study.recording.signals import log_limits
-from study.recording.stream import APPLICATION, SIGNALS, TIMELINE, entity, method, strict, time_column
+from study.recording.stream import APPLICATION, SIGNALS, TIMELINE, entity, method_part, strict, time_column
 from study.recording.summary import log_convergence_curves, log_standings
 from study.runs.progress import Progress
 from study.store.results import Cell, Result
@@ -50,6 +52,7 @@ class LiveRecording:
         self._streams: dict[str, rr.RecordingStream] = {}
         self._results: dict[str, list[Result]] = {}
         self._cases: dict[str, Case] = {}
+        self._printed: dict[str, tuple[Printed, ...]] = {}
         self._drawn: dict[str, float] = {}
         self._running: dict[str, RunningSearches] = {}
 
@@ -100,7 +103,10 @@ class LiveRecording:
         return self._streams[case.name]
 
     def _draw(self, case: Case) -> None:
-        contents = gather(case, self._results[case.name], self._samples)
+        if case.name not in self._printed:
+            self._printed[case.name] = printed_motions(case)
+        summary = summarise_case(case, self._results[case.name], self._printed[case.name])
+        contents = gather(summary, self._samples)
         stream = self._stream(case)
         log_standings(stream, contents)
         log_limits(stream, contents)
@@ -114,9 +120,9 @@ class LiveRecording:
             return
         times = sample_times(motion, self._samples)
         for order, signal in enumerate(SIGNALS):
-            values = motion(seconds(times), order)
+            values = motion(in_seconds(times), order)
             for joint, name in enumerate(case.problem.joint_names):
-                path = entity(signal, name, method(result.cell.label), f"seed {result.cell.settings.seed}")
+                path = entity(signal, name, method_part(result.cell.label), f"seed {result.cell.settings.seed}")
                 stream.log(path, rr.SeriesLines(names=result.cell.label, widths=1.0), static=True)
                 stream.send_columns(path, time_column(times), rr.Scalars.columns(scalars=values[:, joint]))
 

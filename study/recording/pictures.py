@@ -13,7 +13,7 @@ import numpy as np
 import rerun as rr
 
 from study.problem import Floats
-from study.recording.stream import entity, method
+from study.recording.stream import entity, method_part
 
 Color = tuple[int, int, int]
 Bounds = tuple[tuple[float, float], tuple[float, float]]
@@ -91,7 +91,7 @@ def log_curves(stream: rr.RecordingStream, where: str, lines: Sequence[Line], ef
     corners = [stairs(_on_paper(line.points, low, high)) for line in lines]
     heights = _spread(np.array([points[-1, 1] for points in corners]))
     for line, points, height in zip(lines, corners, heights, strict=True):
-        path = entity(where, method(line.name))
+        path = entity(where, method_part(line.name))
         stream.log(path, rr.LineStrips2D([points], colors=line.color, radii=1.2), static=True)
         leader = [points[-1], [PLOT[0], points[-1, 1]], [PLOT[0] + 30.0, height]]
         faded = [channel // 2 for channel in line.color]
@@ -155,7 +155,7 @@ def _log_axes(stream: rr.RecordingStream, where: str, low: Floats, high: Floats,
     for k, (spot, text) in enumerate(zip(spots, texts, strict=True)):
         log_text(stream, entity(where, "_axes", str(k)), spot, text, GREY)
     log_text(stream, entity(where, "_axes", "x"), (0.5 * PLOT[0] - 40.0, PLOT[1] + 44.0), effort.name, GREY)
-    log_text(stream, entity(where, "_axes", "y"), (-60.0, -30.0), "gap to the best known time on this curve", GREY)
+    log_text(stream, entity(where, "_axes", "y"), (-60.0, -30.0), "above the best known time on this curve", GREY)
 
 
 def log_text(stream: rr.RecordingStream, path: str, left: tuple[float, float], text: str, color: Color) -> None:

@@ -13,9 +13,9 @@ from study.cases.obstacles import world_of
 from study.errors import StudyError
 from study.pathfinding.world import arm_clearance
 from study.problem import Floats
-from study.recording.contents import NANOSECOND, Contents, Shown, seconds
+from study.recording.contents import NANOSECOND, Contents, Shown, in_seconds
 from study.recording.meshes import log_meshes, mesh_contents
-from study.recording.stream import LIMIT_COLOR, entity, method, time_column
+from study.recording.stream import LIMIT_COLOR, entity, method_part, time_column
 from study.robots import Robot, robot_named
 from study.robots.meshes import Shape
 from study.robots.urdf import UrdfRobot
@@ -46,7 +46,7 @@ class Look:
 class _Arm:
     """One method's arm: times (n,) ns, frames (n, n_links + 1, 4, 4), tool speeds (n,), tool places at waypoints."""
 
-    one: Shown
+    shown: Shown
     times: np.ndarray
     frames: Floats
     speeds: Floats
@@ -92,15 +92,16 @@ def scene_of(contents: Contents) -> Scene | None:
     if contents.case.robot is None or not contents.shown:
         return None
     robot = robot_named(contents.case.robot, tuple(contents.case.problem.joint_names))
-    arms = tuple(_arm(robot, contents, one) for one in contents.shown)
+    arms = tuple(_arm(robot, contents, each) for each in contents.shown)
     shapes, reason = (robot.shapes, robot.missing) if isinstance(robot, UrdfRobot) else ((), "")
     try:
         meshes = mesh_contents(shapes, len(arms))
     except StudyError as error:
         shapes, meshes, reason = (), {}, str(error)
-    first = [arm for arm in arms if arm.one in contents.first_look]
+    first = [arm for arm in arms if arm.shown in contents.first_look]
     near, far = (
-        _looking(seen, contents.case.obstacles) for seen in (first, [arm for arm in arms if arm.one.feasible] or first)
+        _looking(seen, contents.case.obstacles)
+        for seen in (first, [arm for arm in arms if arm.shown.feasible] or first)
     )
     scene = Scene(arms, shapes, meshes, near, far, f" Links are drawn as capsules: {reason}." if reason else "")
     return replace(scene, words=f"Tool paths: dark where slow, yellow at {scene.fastest:.3g} m/s.{scene.words}")
@@ -112,10 +113,10 @@ def log_scene(stream: rr.RecordingStream, contents: Contents, scene: Scene) -> N
     reach = float(np.linalg.norm(np.ptp(points, axis=0)))
     stream.log("arms", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     for arm in scene.arms:
-        path = entity("arms", method(arm.one.label))
+        path = entity("arms", method_part(arm.shown.label))
         if scene.shapes:
             poses = (arm.times, arm.frames)
-            log_meshes(stream, path + "/links", scene.shapes, scene.meshes, poses, arm.one.color)
+            log_meshes(stream, path + "/links", scene.shapes, scene.meshes, poses, arm.shown.color)
         else:
             _log_links(stream, path, arm, 0.016 * reach)
         _log_path(stream, path, arm, scene.fastest, 0.004 * reach)
@@ -133,12 +134,12 @@ def _log_clearance(stream: rr.RecordingStream, contents: Contents, arms: Sequenc
     world = world_of(contents.case)
     for arm in arms:
         distances = arm_clearance(world, arm.chain, contents.case.arm_radius)
-        path = entity("clearance", method(arm.one.label))
-        stream.log(path, rr.SeriesLines(names=arm.one.label, colors=arm.one.color, widths=1.5), static=True)
+        path = entity("clearance", method_part(arm.shown.label))
+        stream.log(path, rr.SeriesLines(names=arm.shown.label, colors=arm.shown.color, widths=1.5), static=True)
         stream.send_columns(path, time_column(arm.times), rr.Scalars.columns(scalars=distances))
         hits = arm.chain[distances < 0, -1]
         if len(hits):
-            where = entity("arms", method(arm.one.label), "collisions")
+            where = entity("arms", method_part(arm.shown.label), "collisions")
             stream.log(where, rr.Points3D(hits, colors=LIMIT_COLOR, radii=0.4 * contents.case.arm_radius), static=True)
 
 
@@ -162,15 +163,15 @@ def _looking(arms: Sequence[_Arm], obstacles: Floats) -> Look:
     return Look(target + back * float(((points - target) @ back + beside.max(axis=0)).max()), target)
 
 
-def _arm(robot: Robot, contents: Contents, one: Shown) -> _Arm:
-    end = np.floor(one.motion.duration / NANOSECOND)
+def _arm(robot: Robot, contents: Contents, shown: Shown) -> _Arm:
+    end = np.floor(shown.motion.duration / NANOSECOND)
     times = np.rint(np.linspace(0.0, end, contents.samples)).astype(np.int64)
     frames, there = (
         robot.frames(contents.case.robot_configuration(q))
-        for q in (one.motion(seconds(times)), contents.case.problem.waypoints)
+        for q in (shown.motion(in_seconds(times)), contents.case.problem.waypoints)
     )
-    velocity = np.gradient(frames[:, -1, :3, 3], seconds(times), axis=0)
-    return _Arm(one, times, frames, np.linalg.norm(velocity, axis=1), there[:, -1, :3, 3])
+    velocity = np.gradient(frames[:, -1, :3, 3], in_seconds(times), axis=0)
+    return _Arm(shown, times, frames, np.linalg.norm(velocity, axis=1), there[:, -1, :3, 3])
 
 
 def _log_links(stream: rr.RecordingStream, path: str, arm: _Arm, radius: float) -> None:
@@ -181,7 +182,7 @@ def _log_links(stream: rr.RecordingStream, path: str, arm: _Arm, radius: float) 
     starts, steps, lengths = arm.chain[:, :-1][:, kept], steps[:, kept], lengths[:, kept]
     n_times, n_links = lengths.shape
     shape = rr.Capsules3D.from_fields(
-        radii=np.full(n_links, radius), colors=[arm.one.color] * n_links, fill_mode="solid"
+        radii=np.full(n_links, radius), colors=[arm.shown.color] * n_links, fill_mode="solid"
     )
     stream.log(path + "/links", shape, static=True)
     poses = rr.Capsules3D.columns(

@@ -9,9 +9,9 @@ from study.analysis.activity import Use, lane
 from study.cases.library import Case
 from study.judge import RATES
 from study.problem import Floats
-from study.recording.contents import NANOSECOND, PALETTE, Contents, Shown, seconds
+from study.recording.contents import NANOSECOND, PALETTE, Contents, Shown, in_seconds
 from study.recording.pictures import log_key
-from study.recording.stream import LIMIT_COLOR, SIGNALS, entity, method, time_column
+from study.recording.stream import LIMIT_COLOR, SIGNALS, entity, method_part, time_column
 from study.trajectory import Motion
 
 SEVERAL = (200, 200, 200)
@@ -20,18 +20,18 @@ SEVERAL = (200, 200, 200)
 
 def log_signals(stream: rr.RecordingStream, contents: Contents) -> None:
     """Write every method's `/q`, `/v`, `/a` and `/jerk` joint by joint, with limit lines and saturation marks."""
-    log_key(stream, "methods", [(one.label, one.color) for one in contents.shown])
+    log_key(stream, "methods", [(each.label, each.color) for each in contents.shown])
     log_limits(stream, contents)
     names = contents.case.problem.joint_names
-    for one in contents.shown:
-        times = one.times(contents.samples)
+    for each in contents.shown:
+        times = each.times(contents.samples)
         for order, signal in enumerate(SIGNALS):
-            values = one.motion(seconds(times), order)
+            values = each.motion(in_seconds(times), order)
             for joint, name in enumerate(names):
-                path = entity(signal, name, method(one.label))
-                stream.log(path, rr.SeriesLines(names=one.label, colors=one.color, widths=1.5), static=True)
+                path = entity(signal, name, method_part(each.label))
+                stream.log(path, rr.SeriesLines(names=each.label, colors=each.color, widths=1.5), static=True)
                 stream.send_columns(path, time_column(times), rr.Scalars.columns(scalars=values[:, joint]))
-        _log_marks(stream, contents, one)
+        _log_marks(stream, contents, each)
 
 
 def log_limits(stream: rr.RecordingStream, contents: Contents) -> None:
@@ -45,11 +45,11 @@ def log_activity(stream: rr.RecordingStream, contents: Contents) -> None:
     """Write one lane per method and kind of limit to `/activity`: the joints that use it up."""
     names = tuple(contents.case.problem.joint_names)
     log_key(stream, "joints", [(name, _lane_color(names, name)) for name in names] + [("several", SEVERAL)])
-    for one in contents.shown:
+    for each in contents.shown:
         for order, rate in enumerate(RATES, start=1):
-            changes = lane(one.uses, order, names)
+            changes = lane(each.uses, order, names)
             texts = [text for _, text in changes]
-            path = entity("activity", rate, method(one.label))
+            path = entity("activity", rate, method_part(each.label))
             shown = sorted({text for text in texts if text})
             if not shown:
                 continue
@@ -57,7 +57,7 @@ def log_activity(stream: rr.RecordingStream, contents: Contents) -> None:
                 path, rr.StateConfiguration(values=shown, colors=[_lane_color(names, t) for t in shown]), static=True
             )
             whole = np.rint(np.array([t for t, _ in changes]) / NANOSECOND)
-            end = np.floor(one.motion.duration / NANOSECOND)
+            end = np.floor(each.motion.duration / NANOSECOND)
             times = np.append(np.minimum(whole, end - 1), end)
             stream.send_columns(path, time_column(times), rr.StateChange.columns(state=[*texts, ""]))
 
@@ -84,20 +84,20 @@ def _log_limit(stream: rr.RecordingStream, contents: Contents, order: int, joint
     stream.send_columns(path, ends, rr.Scalars.columns(scalars=np.tile(pair, (2, 1))))
 
 
-def _log_marks(stream: rr.RecordingStream, contents: Contents, one: Shown) -> None:
+def _log_marks(stream: rr.RecordingStream, contents: Contents, each: Shown) -> None:
     """Put a marker where a limit is used up: at both ends and in the middle of every stretch."""
     for order, signal in enumerate(SIGNALS[1:], start=1):
         for joint, name in enumerate(contents.case.problem.joint_names):
-            uses = [use for use in one.uses if (use.order, use.joint) == (order, joint)]
+            uses = [use for use in each.uses if (use.order, use.joint) == (order, joint)]
             if not uses:
                 continue
-            times = _mark_times(uses, one.motion)
-            path = entity(signal, name, method(one.label), "saturated")
+            times = _mark_times(uses, each.motion)
+            path = entity(signal, name, method_part(each.label), "saturated")
             style = rr.SeriesPoints(
-                names=f"{one.label} at its limit", colors=one.color, markers="diamond", marker_sizes=4.0
+                names=f"{each.label} at its limit", colors=each.color, markers="diamond", marker_sizes=4.0
             )
             stream.log(path, style, static=True)
-            values = one.motion(seconds(times), order)[:, joint]
+            values = each.motion(in_seconds(times), order)[:, joint]
             stream.send_columns(path, time_column(times), rr.Scalars.columns(scalars=values))
 
 

@@ -24,7 +24,7 @@ def entity(*parts: str) -> str:
     return rr.new_entity_path([part or "unnamed" for part in parts])
 
 
-def method(label: str) -> str:
+def method_part(label: str) -> str:
     """Part of an entity path for a method; a leading underscore is kept for what is no method, such as limits."""
     return f"method {label}" if label.startswith("_") else label
 

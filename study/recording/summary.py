@@ -1,4 +1,4 @@
-"""What a recording says in words and bars: the table of verdicts, the ladder, convergence and where it comes from."""
+"""Words and bars of a recording: the table of verdicts, the ladder, convergence and where it comes from."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy as np
 import rerun as rr
 
 from study.analysis.formatting import DASH, count, percent, seconds, wall
-from study.analysis.ladder import Rung, ladder_of
-from study.analysis.methods import CURVE
-from study.analysis.rows import Entry
+from study.analysis.ladder import Rung
+from study.analysis.methods import Kind, MethodSummary
+from study.planning import Freedom
 from study.problem import Floats
 from study.recording.contents import Contents
 from study.recording.pictures import GREY, LADDER_ROOM, Bar, Effort, Line, bars_pitch, log_bars, log_curves
-from study.recording.stream import EVALUATION, entity, method
+from study.recording.stream import EVALUATION, entity, method_part
 
 EVALUATIONS = Effort("evaluations", count)
 WALL_TIME = Effort("wall time, shared out evenly over the evaluations of a run", wall)
@@ -50,17 +50,17 @@ def log_standings(stream: rr.RecordingStream, contents: Contents, scene: str = "
 
 def ladder_bars(contents: Contents) -> list[Bar]:
     """Bars of the ladder of lost time, or of the first look's methods where there are too few rungs."""
-    shown = {one.label: one for one in contents.shown}
-    rungs = ladder_of(contents.case, contents.entries, contents.chosen)
+    shown = {each.label: each for each in contents.shown}
+    rungs = contents.summary.rungs
     if not rungs:
         return [Bar(o.label, o.title, o.motion.duration, o.color) for o in contents.first_look]
     bars = []
     for place, rung in enumerate(rungs, start=1):
         first = rung.method.split(", ")[0]  # a rung may stand for several methods of the same time
-        one = shown.get(first, shown.get(f"published: {first}"))
-        remark = "" if rung.feasible else "  infeasible" if one is not None else "  not judged"
+        each = shown.get(first, shown.get(f"published: {first}"))
+        remark = "" if rung.feasible else "  infeasible" if each is not None else "  not judged"
         text = f"{_rung_name(rung)}  {seconds(rung.seconds)}{remark}"
-        bars.append(Bar(f"{place} {rung.method}", text, rung.seconds, GREY if one is None else one.color))
+        bars.append(Bar(f"{place} {rung.method}", text, rung.seconds, GREY if each is None else each.color))
     return bars
 
 
@@ -83,11 +83,11 @@ def log_metadata(stream: rr.RecordingStream, contents: Contents) -> None:
         waypoints=case.problem.n_waypoints,
     )
     stream.send_property("case", about)
-    runs = [one.entry.row.representative for one in contents.shown]
+    runs = [each.method.representative for each in contents.shown]
     how = rr.AnyValues(
         version=importlib.metadata.version("time-optimal-study"),
         samples=contents.samples,
-        methods=[one.label for one in contents.shown],
+        methods=[each.label for each in contents.shown],
         seeds=[run.cell.settings.seed if run else 0 for run in runs],
     )
     stream.send_property("study", how)
@@ -99,15 +99,15 @@ def log_convergence(stream: rr.RecordingStream, contents: Contents) -> None:
     Both stand on the timeline `evaluation`; the same gaps are drawn for every timeline to
     `/convergence_curves` over evaluations and to `/convergence_times` over wall time.
     """
-    colors = {one.label: one.color for one in contents.shown}
-    for entry in contents.entries:
-        counts, values = history(entry)
-        color = colors.get(entry.label, GREY)
+    colors = {each.label: each.color for each in contents.shown}
+    for method in contents.methods:
+        counts, values = history(method)
+        color = colors.get(method.label, GREY)
         if len(values):
-            _log_series(stream, entity("convergence", "value", method(entry.label)), (counts, values), color)
+            _log_series(stream, entity("convergence", "value", method_part(method.label)), (counts, values), color)
         if len(values) and np.isfinite(contents.best):
             gaps = log_gaps(values, contents.best)
-            _log_series(stream, entity("convergence", "gap", method(entry.label)), (counts, gaps), color)
+            _log_series(stream, entity("convergence", "gap", method_part(method.label)), (counts, gaps), color)
     log_convergence_curves(stream, contents)
 
 
@@ -115,30 +115,30 @@ def log_convergence_curves(stream: rr.RecordingStream, contents: Contents) -> No
     """Draw the gaps over evaluations and over wall time; drawn again, they replace what stood there."""
     if not np.isfinite(contents.best):
         return
-    colors = {one.label: one.color for one in contents.shown}
+    colors = {each.label: each.color for each in contents.shown}
     counted, timed = [], []
-    for entry in contents.entries:
-        counts, values = history(entry)
-        gaps, color = log_gaps(values, contents.best), colors.get(entry.label, GREY)
+    for method in contents.methods:
+        counts, values = history(method)
+        gaps, color = log_gaps(values, contents.best), colors.get(method.label, GREY)
         if len(values):
-            counted.append(Line(entry.label, np.column_stack([np.log10(counts), gaps]), color))
-            timed.append(Line(entry.label, np.column_stack([np.log10(wall_times(entry)), gaps]), color))
+            counted.append(Line(method.label, np.column_stack([np.log10(counts), gaps]), color))
+            timed.append(Line(method.label, np.column_stack([np.log10(wall_times(method)), gaps]), color))
     if counted:
         log_curves(stream, "convergence_curves", [*counted, *_references(contents, counted)], EVALUATIONS)
         log_curves(stream, "convergence_times", [*timed, *_arrivals(contents, timed)], WALL_TIME)
 
 
-def history(entry: Entry) -> tuple[Floats, Floats]:
+def history(method: MethodSummary) -> tuple[Floats, Floats]:
     """Evaluations and finite incumbent values of the representative run, each of shape (n_records,)."""
-    run = entry.row.representative
+    run = method.representative
     records = np.empty((0, 2)) if run is None else np.asarray(run.history, dtype=float).reshape(-1, 2)
     counts, values = records[np.isfinite(records[:, 1]) & (records[:, 0] > 0)].T
     return counts, values
 
 
-def wall_times(entry: Entry) -> Floats:
+def wall_times(method: MethodSummary) -> Floats:
     """Wall times of the history's records, s: the run's own, in proportion to the evaluations spent."""
-    run, (counts, _) = entry.row.representative, history(entry)
+    run, (counts, _) = method.representative, history(method)
     whole = max(run.wall_time, SHORTEST) if run is not None else SHORTEST
     return np.asarray(counts * whole / max(run.evaluations if run is not None else 1, 1))
 
@@ -159,30 +159,38 @@ def _log_series(
 def _references(contents: Contents, lines: list[Line]) -> list[Line]:
     """Level lines for featured feasible methods on the same curve that count no evaluations."""
     span = np.array([min(line.points[0, 0] for line in lines), max(line.points[-1, 0] for line in lines)])
-    on_curve = [one for one in contents.featured if one.feasible and one.entry.path == CURVE]
-    levels = [one for one in on_curve if not len(history(one.entry)[0])]
+    on_curve = [each for each in contents.featured if each.feasible and each.method.freedom is Freedom.CURVE]
+    levels = [each for each in on_curve if not len(history(each.method)[0])]
     return [
-        Line(one.label, np.column_stack([span, log_gaps(np.full(2, one.motion.duration), contents.best)]), one.color)
-        for one in levels
+        Line(each.label, np.column_stack([span, log_gaps(np.full(2, each.motion.duration), contents.best)]), each.color)
+        for each in levels
     ]
 
 
 def _arrivals(contents: Contents, lines: list[Line]) -> list[Line]:
     """Feasible methods on the same curve that count no evaluations: level lines from when they are done."""
     last = max(line.points[-1, 0] for line in lines)
-    found = []
-    for one in contents.shown:
-        run = one.entry.row.representative
-        if run is None or one.published or not one.feasible or one.entry.path != CURVE or len(history(one.entry)[0]):
+    arrivals: list[Line] = []
+    for each in contents.shown:
+        run = each.method.representative
+        if (
+            run is None
+            or each.published
+            or not each.feasible
+            or each.method.freedom is not Freedom.CURVE
+            or len(history(each.method)[0])
+        ):
             continue
         done = np.log10(max(run.wall_time, SHORTEST))
         ends = np.array([done, max(last, done)])
-        found.append(
+        arrivals.append(
             Line(
-                one.label, np.column_stack([ends, log_gaps(np.full(2, one.motion.duration), contents.best)]), one.color
+                each.label,
+                np.column_stack([ends, log_gaps(np.full(2, each.motion.duration), contents.best)]),
+                each.color,
             )
         )
-    return found
+    return arrivals
 
 
 def markdown(contents: Contents, scene: str = "") -> str:
@@ -196,7 +204,7 @@ def markdown(contents: Contents, scene: str = "") -> str:
         "",
         "| Method | Verdict | Time | Gap | Path | Evaluations |",
         "|:--|:--|--:|--:|:--|--:|",
-        *(_row(entry) for entry in contents.entries),
+        *(_row(method) for method in contents.methods),
         "",
         *_remarks(contents),
     ]
@@ -204,7 +212,7 @@ def markdown(contents: Contents, scene: str = "") -> str:
 
 
 def _winner(contents: Contents) -> str:
-    feasible = [entry for entry in contents.entries if entry.row.feasible]
+    feasible = [method for method in contents.methods if method.feasible]
     if not feasible:
         return "**No method is feasible.**"
     return f"**Fastest feasible: {plain(feasible[0].label)}, {seconds(feasible[0].duration)}.**"
@@ -217,29 +225,34 @@ def _key(scene: str) -> str:
     )
 
 
-def _row(entry: Entry) -> str:
-    row = entry.row
-    evaluations = count(row.evaluations) if row.evaluations else ""
-    gap = percent(row.gap) if row.gap is not None else ""
-    time = seconds(entry.duration).replace(DASH, "")
-    cells = (plain(entry.label), _verdict(entry), time, gap, entry.path if entry.motion else "", evaluations)
+def _row(method: MethodSummary) -> str:
+    evaluations = count(method.evaluations) if method.evaluations else ""
+    gap = percent(method.gap) if method.gap is not None else ""
+    time = seconds(method.duration).replace(DASH, "")
+    cells = (
+        plain(method.label),
+        _verdict(method),
+        time,
+        gap,
+        (method.freedom or "") if method.motion else "",
+        evaluations,
+    )
     return f"| {' | '.join(cells)} |"
 
 
-def _verdict(entry: Entry) -> str:
-    row = entry.row
-    if entry.motion is None:
-        return "not judged" if row.kind == "published" else "no motion"
-    if 0 < row.feasible_runs < row.runs:
-        return f"{row.feasible_runs} of {row.runs} runs feasible"
-    return "feasible" if row.feasible else "**infeasible**"
+def _verdict(method: MethodSummary) -> str:
+    if method.motion is None:
+        return "not judged" if method.kind is Kind.PUBLISHED else "no motion"
+    if 0 < method.feasible_runs < method.runs:
+        return f"{method.feasible_runs} of {method.runs} runs feasible"
+    return "feasible" if method.feasible else "**infeasible**"
 
 
 def _remarks(contents: Contents) -> list[str]:
-    reasons = [f"- **{plain(e.label)}**: {plain(e.row.reason)}" for e in contents.entries if e.row.reason]
+    reasons = [f"- **{plain(m.label)}**: {plain(m.reason)}" for m in contents.methods if m.reason]
     notes = [f"- {plain(note)}" for note in contents.case.notes]
     lines = ["Time is the median of the feasible runs, and the run of median time is the one that moves.", ""]
-    lines[0] += " Gap is to the fastest feasible run of any path."
+    lines[0] += " Gap is to the fastest feasible run on whatever path."
     lines += ["## Why not feasible", *reasons, ""] if reasons else []
     return lines + (["## Notes", *notes] if notes else [])
 

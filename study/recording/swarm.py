@@ -1,4 +1,4 @@
-"""Where the candidates of a search stand, generation after generation, in the space of segment durations."""
+"""Candidates of a search, generation after generation, in the space of segment durations."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from study.analysis.replay import Replay, replayed
+from study.planning import Formulation
 from study.problem import Floats
 from study.recording.contents import NANOSECOND, PALETTE, Contents, Shown
 from study.recording.layout import drawing, under_key
 from study.recording.pictures import FAINT, GREY, WHITE, log_key, log_text
-from study.recording.stream import GENERATION, entity, method, time_column
+from study.recording.stream import GENERATION, entity, method_part, time_column
 
 PANELS = 5
 """Generations that are drawn side by side: the first, the last, and others closer together at the start."""
@@ -29,20 +30,20 @@ FRAMES = 80
 class Swarm:
     """A search that has been run again, and the method it belongs to."""
 
-    one: Shown
+    shown: Shown
     replay: Replay
 
     @property
     def title(self) -> str:
         """Name and seed."""
-        run = self.one.entry.row.representative
-        return f"{self.one.label}, seed {run.cell.settings.seed if run else 0}"
+        run = self.shown.method.representative
+        return f"{self.shown.label}, seed {run.cell.settings.seed if run else 0}"
 
     @property
     def remark(self) -> str:
         """What happens to the durations before they are driven."""
-        run = self.one.entry.row.representative
-        scaled = run is not None and run.cell.settings.formulation == "scaled"
+        run = self.shown.method.representative
+        scaled = run is not None and run.cell.settings.formulation is Formulation.SCALED
         return " before they are stretched to the limits" if scaled else ""
 
     @property
@@ -52,20 +53,20 @@ class Swarm:
 
     def color(self, part: int) -> tuple[int, int, int]:
         """The method's colour, or the joint's where every joint is searched alone."""
-        return self.one.color if len(self.replay.parts) == 1 else PALETTE[part % len(PALETTE)]
+        return self.shown.color if len(self.replay.parts) == 1 else PALETTE[part % len(PALETTE)]
 
 
 def swarms_of(contents: Contents) -> tuple[Swarm, ...]:
     """Run the paper's own planner and the best metaheuristic again, as far as they have populations."""
     best = contents.chosen.search
     wanted = {contents.case.planner, best.label if best is not None else ""}
-    found = []
-    for one in contents.shown:
-        run = one.entry.row.representative
-        replay = replayed(contents.case, run) if one.label in wanted and run is not None else None
+    swarms = []
+    for shown in contents.shown:
+        run = shown.method.representative
+        replay = replayed(contents.case, run) if shown.label in wanted and run is not None else None
         if replay is not None:
-            found.append(Swarm(one, replay))
-    return tuple(found)
+            swarms.append(Swarm(shown, replay))
+    return tuple(swarms)
 
 
 def log_swarms(stream: rr.RecordingStream, contents: Contents, swarms: Sequence[Swarm]) -> None:
@@ -79,7 +80,7 @@ def log_swarms(stream: rr.RecordingStream, contents: Contents, swarms: Sequence[
         log_key(stream, "swarm_joints", [(name, PALETTE[k % len(PALETTE)]) for k, name in enumerate(joints)])
     for swarm in swarms:
         bounds = np.log10(contents.case.problem.duration_bounds)
-        name, last = method(swarm.one.label), swarm.replay.generations - 1
+        name, last = method_part(swarm.shown.label), swarm.replay.generations - 1
         for panel, generation in enumerate(_spread(last, PANELS)):
             corner = np.array([APART * panel, 0.0])
             where = entity("swarm", name, f"panel {panel + 1}")
@@ -94,7 +95,11 @@ def log_swarms(stream: rr.RecordingStream, contents: Contents, swarms: Sequence[
 
 
 def _log_moving(stream: rr.RecordingStream, swarm: Swarm, bounds: Floats, run_time: float) -> None:
-    where, corner, last = entity("population", method(swarm.one.label)), np.zeros(2), swarm.replay.generations - 1
+    where, corner, last = (
+        entity("population", method_part(swarm.shown.label)),
+        np.zeros(2),
+        swarm.replay.generations - 1,
+    )
     log_frame(stream, where, corner, bounds, swarm.n_segments)
     frames = np.unique(np.linspace(0, last, FRAMES).round().astype(np.int64))
     times = np.linspace(0.0, run_time / NANOSECOND, len(frames)).astype(np.int64)
@@ -110,7 +115,7 @@ def _log_moving(stream: rr.RecordingStream, swarm: Swarm, bounds: Floats, run_ti
         points = [places(swarm.replay.at(part, int(k)), bounds, corner, place) for k in frames]
         path = f"{where}/{entity(str(part))}"
         stream.log(path, rr.Points2D.from_fields(colors=[swarm.color(part)], radii=[1.6]), static=True)
-        columns = rr.Points2D.columns(positions=np.concatenate(points)).partition([len(one) for one in points])
+        columns = rr.Points2D.columns(positions=np.concatenate(points)).partition([len(part) for part in points])
         stream.send_columns(path, index, columns)
 
 
@@ -188,4 +193,4 @@ def swarm_views(swarms: Sequence[Swarm]) -> list[rrb.View | rrb.Container]:
 
 def _picture(name: str, root: str, swarm: Swarm, panels: int) -> rrb.Spatial2DView:
     bounds = ((-60.0, APART * (panels - 1) + SIZE[0] + 20.0), (-60.0, SIZE[1] + 50.0))
-    return drawing(name, entity(root, method(swarm.one.label)), bounds)
+    return drawing(name, entity(root, method_part(swarm.shown.label)), bounds)

@@ -1,19 +1,19 @@
-"""How the searches approach their answers: the median and the quartiles over seeds, on a common grid of evaluations."""
+"""Convergence of the searches: the median and the quartiles over seeds, on a common grid of evaluations."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from markupsafe import Markup
 
-from study.analysis.featured import Featured
-from study.analysis.methods import CURVE
-from study.analysis.rows import Entry
+from study.analysis.case_summary import CaseSummary
+from study.analysis.methods import Kind, MethodSummary
 from study.cases.library import Case
+from study.planning import Freedom
 from study.problem import Floats
-from study.report import drawn, figures
+from study.report import figures, plot_style
 from study.store.results import Result
 
 SHOWN = 6
@@ -28,33 +28,31 @@ class ConvergencePart:
     legend: tuple[tuple[int, str], ...]
 
 
-def convergence_of(
-    case: Case, entries: Sequence[Entry], best: Featured, widths: Mapping[str, float]
-) -> ConvergencePart | None:
+def convergence_of(summary: CaseSummary, widths: Mapping[str, float]) -> ConvergencePart | None:
     """Draw the paper's own planner and the best other searches; None where no search left a history.
 
     Parameters
     ----------
-    case : Case
-    entries : sequence of Entry
-        Ranked, so the first searches are the best.
-    best : Featured
-        Its deterministic optimum is the line to reach.
+    summary : CaseSummary
+        Its methods are ranked, so the first searches are the best; its deterministic optimum is the line to reach.
     widths : mapping of str to float
         Pixels of every figure.
     """
     searches = [
-        entry
-        for entry in entries
-        if entry.row.kind == "search" and entry.path == CURVE and all(len(one.history) for one in entry.results)
+        method
+        for method in summary.methods
+        if method.kind is Kind.SEARCH
+        and method.freedom is Freedom.CURVE
+        and all(len(run.history) for run in method.results)
     ]
-    own = [entry for entry in searches if entry.label == case.planner]
-    chosen = (own + [entry for entry in searches if entry not in own])[:SHOWN]
-    curves = [_curve(case, entry, style) for style, entry in enumerate(chosen)]
+    case = summary.case
+    own = [method for method in searches if method.label == case.planner]
+    chosen = (own + [method for method in searches if method not in own])[:SHOWN]
+    curves = [_curve(case, method, style) for style, method in enumerate(chosen)]
     if not curves:
         return None
-    plain = best.optimiser
-    reference = (plain.label, plain.duration) if plain and plain.row.feasible and plain.duration else None
+    plain = summary.best.optimiser
+    reference = (plain.label, plain.duration) if plain and plain.feasible and plain.duration else None
     legend = tuple((curve.style, curve.label) for curve in curves)
     drawings = {
         name: figures.convergence(f"convergence-{name}", curves, reference, width) for name, width in widths.items()
@@ -62,15 +60,15 @@ def convergence_of(
     return ConvergencePart(drawings, legend)
 
 
-def _curve(case: Case, entry: Entry, style: int) -> drawn.Convergence:
-    first = min(one.history[0, 0] for one in entry.results)
-    last = max(one.history[-1, 0] for one in entry.results)
+def _curve(case: Case, method: MethodSummary, style: int) -> plot_style.Convergence:
+    first = min(run.history[0, 0] for run in method.results)
+    last = max(run.history[-1, 0] for run in method.results)
     grid: Floats = np.unique(np.round(np.geomspace(max(first, 1.0), max(last, 1.0), POINTS))).astype(np.float64)
-    values = np.stack([_on_grid(case, one, grid) for one in entry.results])
+    values = np.stack([_on_grid(case, run, grid) for run in method.results])
     # a run without a feasible candidate counts as infinitely long, so that it does not flatter the median
     lower, median, upper = np.quantile(values, (0.25, 0.5, 0.75), axis=0, method="nearest")
     median = np.median(values, axis=0) if np.isfinite(values).all() else median
-    return drawn.Convergence(entry.label, style, grid, *(_shown(line) for line in (median, lower, upper)))
+    return plot_style.Convergence(method.label, style, grid, *(_shown(line) for line in (median, lower, upper)))
 
 
 def _on_grid(case: Case, result: Result, grid: Floats) -> Floats:

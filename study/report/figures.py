@@ -16,7 +16,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from study.analysis.formatting import count, percent
 from study.problem import Problem
-from study.report.drawn import (
+from study.report.plot_style import (
     BAND,
     DASHES,
     GRID,
@@ -35,8 +35,8 @@ from study.report.drawn import (
     headline_range,
     sample_times,
     spaced_ticks,
+    themed,
 )
-from study.report.svg import themed
 
 NARROW = 500
 """Below so many pixels a label does not fit on one line."""
@@ -91,7 +91,7 @@ def profile(key: str, problem: Problem, joint: int, unit: str, series: Sequence[
             _profile_panel(axes, problem, joint, order, series)
             axes.set_title(f"{QUANTITIES[order]}, {unit}{('', '/s', '/s²', '/s³')[order]}", loc="left")
         panels[-1].set_xlabel("time, s")
-        methods = ", ".join(one.label for one in series)
+        methods = ", ".join(each.label for each in series)
         return _svg(
             figure,
             key,
@@ -105,12 +105,12 @@ def _profile_panel(axes: Axes, problem: Problem, joint: int, order: int, series:
     _grid(axes)
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5))
     peaks = []
-    for one in series:
-        times = sample_times(one.motion)
-        values = one.motion(times, order)[:, joint]
+    for each in series:
+        times = sample_times(each.motion)
+        values = each.motion(times, order)[:, joint]
         peaks.append(float(np.abs(values).max()))
         axes.plot(
-            times, values, color=SERIES[one.style], linestyle=DASHES[one.style], linewidth=1.6 if order < 3 else 1.0
+            times, values, color=SERIES[each.style], linestyle=DASHES[each.style], linewidth=1.6 if order < 3 else 1.0
         )
     if order == 0:
         low, high = problem.limits.lower[joint], problem.limits.upper[joint]
@@ -282,19 +282,19 @@ def segments(key: str, series: Sequence[Series], width: float) -> Markup:
         axes = figure.subplots()
         _margins(figure, 14, 10, 42, 4)
         _grid(axes, "x")
-        for level, one in enumerate(series):
-            times = one.motion.waypoint_times
+        for level, each in enumerate(series):
+            times = each.motion.waypoint_times
             for k, (start, end) in enumerate(pairwise(times)):
                 axes.barh(
-                    level, end - start, left=start, height=0.44, facecolor=SERIES[one.style], edgecolor=PAPER,
+                    level, end - start, left=start, height=0.44, facecolor=SERIES[each.style], edgecolor=PAPER,
                     linewidth=1.2, alpha=0.85 if k % 2 == 0 else 0.5, hatch="" if k % 2 == 0 else "///",
                 )  # fmt: skip
-            axes.annotate(one.label, (0.0, level - 0.25), xytext=(0, 2), textcoords="offset points", va="bottom")
+            axes.annotate(each.label, (0.0, level - 0.25), xytext=(0, 2), textcoords="offset points", va="bottom")
         axes.set(ylim=(len(series) - 0.5, -0.85), yticks=[], xlabel="time, s")
         axes.spines["left"].set_visible(False)
         return _svg(
             figure,
             key,
             "Time spent on every segment",
-            f"Bars cut at the waypoints for {', '.join(one.label for one in series)}; the table holds the same numbers.",
+            f"Bars cut at the waypoints for {', '.join(each.label for each in series)}; the table holds the same numbers.",
         )

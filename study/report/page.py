@@ -10,40 +10,37 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
-from study.analysis import formatting as wording
-from study.analysis.causes import causes_of
-from study.analysis.featured import ROLE_NAMES, Featured, featured
-from study.analysis.glossary import glossary
-from study.analysis.ladder import Rung, ladder_of
-from study.analysis.methods import CURVE, FIXED_PATH, FREE_PATH
-from study.analysis.rows import MEANING, Entry, entries_of, known_times
+from study.analysis import formatting
+from study.analysis.case_summary import CaseSummary
+from study.analysis.featured import ROLE_NAMES, Featured
+from study.analysis.ladder import Rung, breakdown_of
+from study.analysis.methods import Kind, MethodSummary, Standing, known_times, names_explained
 from study.analysis.sentences import answer, case_answer
 from study.cases.library import Case
 from study.cases.papers import paper_of
 from study.errors import StudyError
 from study.io.filenames import file_stem
 from study.judge import RATES, TOLERANCE
-from study.report import drawn, figures
+from study.planning import Freedom
+from study.report import figures, plot_style
 from study.report.convergence import convergence_of
-from study.report.motions import motion_files, write_motions
 from study.report.rendering import render
-from study.report.tables import COLUMNS, Record, raw, result_record, write_tables
-from study.store.results import Result
+from study.report.tables import COLUMNS, Record, motion_files, raw, result_record, write_motions, write_tables
 from study.trajectory import Motion
 
 TOO_LONG = 3.0
 """A motion that takes so many times as long as the reference would squeeze the others' profiles; it is left out of them."""
 
 STANDINGS = {
-    "feasible": "",
-    "infeasible": "Infeasible: a limit is broken, or no motion was found",
-    "inapplicable": "Does not apply to this case",
-    "bound": "Proved lower bounds: times that no motion through the waypoints can undercut",
-    "unjudged": "Printed without segment durations: nothing to judge",
+    Standing.FEASIBLE: "",
+    Standing.INFEASIBLE: "Infeasible: a limit is broken, or no motion was found",
+    Standing.INAPPLICABLE: "Does not apply to this case",
+    Standing.BOUND: "Proved lower bounds: times that no motion through the waypoints can undercut",
+    Standing.UNJUDGED: "Printed without segment durations: nothing to judge",
 }
 """Groups of the results table and their heads; sorting moves rows inside a group only."""
 
-HATCHES: dict[str, str] = {CURVE: "", FIXED_PATH: "...", FREE_PATH: "///"}
+HATCHES = {Freedom.CURVE: "", Freedom.PATH: "...", Freedom.FREE: "///", None: "xxx"}
 
 WIDTHS = {"wide": 720.0, "narrow": 370.0}
 """Pixels of a figure on a page and on a phone, where text would be too small if the wide one were shrunk."""
@@ -51,13 +48,23 @@ WIDTHS = {"wide": 720.0, "narrow": 370.0}
 
 @dataclass(frozen=True, eq=False)
 class CaseReport:
-    """Everything that the page of one case is made from."""
+    """The page of one case: its summary, and what lies beside the page.
 
-    case: Case
+    Attributes
+    ----------
+    summary : CaseSummary
+    slug : str
+        Stem of the page's name.
+    motions : mapping of str to str
+        Files of sampled motions by method.
+    recording, viewer : str, optional
+        Links to the recording and to the page with the viewer inside.
+    source : str
+        Name or path that loads the case again.
+    """
+
+    summary: CaseSummary
     slug: str
-    entries: tuple[Entry, ...]
-    best: Featured
-    rungs: tuple[Rung, ...]
     motions: Mapping[str, str]
     recording: str | None
     viewer: str | None
@@ -66,12 +73,12 @@ class CaseReport:
     @property
     def budgets(self) -> list[int]:
         """Evaluations that the paper spends; none for a case without a paper."""
-        return [self.case.settings.evaluations] if paper_of(self.case.paper) else []
+        case = self.summary.case
+        return [case.settings.evaluations] if paper_of(case.paper) else []
 
 
 def build_report(
-    cases: Mapping[str, Case],
-    results: Sequence[Result],
+    summaries: Sequence[CaseSummary],
     out: Path,
     environment: Mapping[str, str],
     flags: Mapping[str, str] = MappingProxyType({}),
@@ -81,8 +88,7 @@ def build_report(
 
     Parameters
     ----------
-    cases : mapping of str to Case
-    results : sequence of Result
+    summaries : sequence of CaseSummary
     out : Path
         Folder, made if need be. A recording `<case>.rrd` in its sibling folder `recordings` is linked.
     environment : mapping of str to str
@@ -90,7 +96,7 @@ def build_report(
     flags : mapping of str to str, optional
         Planners that the bias audit flags, with the reason; every table marks them.
     sources : mapping of str to str, optional
-        What loads a case again, a name or a path; its name by default.
+        Name or path that loads a case again; its name by default.
 
     Returns
     -------
@@ -102,15 +108,15 @@ def build_report(
     StudyError
         If the folder cannot be written.
     """
-    reports = _case_reports(cases, results, out, sources)
+    reports = [_case_report(summary, out, sources) for summary in summaries]
     pages = {report.slug: _case_page(report, environment, flags) for report in reports}
     pages["index"] = _index_page(reports, environment, out, flags)
     try:
         (out / "tables").mkdir(parents=True, exist_ok=True)
         for report in reports:
-            write_tables(out / "tables", report.slug, [(report.case, report.entries)], sources)
-            write_motions(out / "tables" / report.slug, report.case, report.entries, report.motions)
-        write_tables(out / "tables", "all", [(report.case, report.entries) for report in reports], sources)
+            write_tables(out / "tables", report.slug, [report.summary], sources)
+            write_motions(out / "tables" / report.slug, report.summary, report.motions)
+        write_tables(out / "tables", "all", summaries, sources)
         for name, text in pages.items():
             (out / f"{name}.html").write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
@@ -120,20 +126,17 @@ def build_report(
     return out / "index.html"
 
 
-def _case_reports(
-    cases: Mapping[str, Case], results: Sequence[Result], out: Path, sources: Mapping[str, str]
-) -> list[CaseReport]:
-    reports: list[CaseReport] = []
-    for slug, case in slugs(cases.values()).items():
-        entries = entries_of(case, results)
-        best = featured(entries, case.velocity_only)
-        recording = out.parent / "recordings" / f"{file_stem(case.name)}.rrd"
-        link = f"../recordings/{quote(recording.name)}" if recording.is_file() else None
-        page = f"{slug}-viewer.html" if (out / f"{slug}-viewer.html").is_file() else None
-        rungs = ladder_of(case, entries, best)
-        source = sources.get(case.name, case.name)
-        reports.append(CaseReport(case, slug, entries, best, rungs, motion_files(entries), link, page, source))
-    return reports
+def _case_report(summary: CaseSummary, out: Path, sources: Mapping[str, str]) -> CaseReport:
+    name, slug = summary.case.name, file_stem(summary.case.name)
+    recording = out.parent / "recordings" / f"{slug}.rrd"
+    return CaseReport(
+        summary=summary,
+        slug=slug,
+        motions=motion_files(summary.methods),
+        recording=f"../recordings/{quote(recording.name)}" if recording.is_file() else None,
+        viewer=f"{slug}-viewer.html" if (out / f"{slug}-viewer.html").is_file() else None,
+        source=sources.get(name, name),
+    )
 
 
 def write_viewers(scripts: Mapping[str, Sequence[str]], cases: Mapping[str, Case], out: Path) -> None:
@@ -150,17 +153,17 @@ def slugs(cases: Iterable[Case]) -> dict[str, Case]:
 
 def _render(template: str, context: Mapping[str, object]) -> str:
     filters = {
-        name: getattr(wording, name)
+        name: getattr(formatting, name)
         for name in ("seconds", "change", "wall", "percent", "share", "count", "plural", "listed", "coded")
     }
-    shared = {"rates": RATES, "raw": raw, "columns": COLUMNS, "role_names": ROLE_NAMES, "meaning": MEANING}
+    shared = {"rates": RATES, "raw": raw, "columns": COLUMNS, "role_names": ROLE_NAMES, "freedoms": tuple(Freedom)}
     return render(template, {**shared, **context}, filters=filters)
 
 
 def _index_page(
     reports: Sequence[CaseReport], environment: Mapping[str, str], out: Path, flags: Mapping[str, str]
 ) -> str:
-    rows = [headline_row(report) for report in reports]
+    rows = [headline_row(report.summary) for report in reports]
     known = [row for row in rows if row is not None]
     reference = "the deterministic optimum on the same curve"
     pictures = {
@@ -171,11 +174,13 @@ def _index_page(
         "index.html.j2",
         {
             "reports": reports,
-            "sentences": answer([report.best for report in reports], [one for each in reports for one in each.budgets]),
-            "causes": [(report, causes) for report in reports if (causes := causes_of(report.rungs)) is not None],
-            "names": glossary(entry.planner for report in reports for _, _, entry in report.best.present()),
+            "sentences": answer(
+                [report.summary.best for report in reports], [count for report in reports for count in report.budgets]
+            ),
+            "causes": [(each, causes) for each in reports if (causes := breakdown_of(each.summary.rungs)) is not None],
+            "names": names_explained(method for each in reports for _, _, method in each.summary.best.present()),
             "headline": pictures,
-            "legend": {style: ROLE_NAMES[role] for each in reports for style, role, _ in each.best.present()},
+            "legend": {style: ROLE_NAMES[role] for each in reports for style, role, _ in each.summary.best.present()},
             "published": _published_count(reports),
             "compared": (out / "comparison" / "index.html").is_file(),
             "reproduced": (out / "reproduction" / "index.html").is_file(),
@@ -186,64 +191,61 @@ def _index_page(
 
 
 def _published_count(reports: Sequence[CaseReport]) -> tuple[int, int]:
-    """How many printed motions there are in all, and how many of them pass the judge."""
-    printed = [entry.row for report in reports for entry in report.entries if entry.row.kind == "published"]
-    judged = [row for row in printed if row.representative is not None]
-    return len(judged), sum(row.feasible for row in judged)
+    """Count the printed motions, and those of them that pass the judge."""
+    methods = [method for report in reports for method in report.summary.methods]
+    judged = [m for m in methods if m.kind is Kind.PUBLISHED and m.representative is not None]
+    return len(judged), sum(method.feasible for method in judged)
 
 
-def headline_row(report: CaseReport) -> drawn.HeadlineRow | None:
+def headline_row(summary: CaseSummary) -> plot_style.HeadlineRow | None:
     """Place the featured methods of a case against its reference; None where there is nothing to measure against."""
-    reference = report.best.reference
+    reference = summary.best.reference
     if reference is None or not reference.duration:
         return None
     marks = []
-    for style, role, entry in report.best.present():
-        if entry.duration:
-            best = entry.row.best if role == "search" else None
+    for style, role, method in summary.best.present():
+        if method.duration:
+            best = method.best if role == "search" else None
             spread = None if best is None else best / reference.duration
-            marks.append(drawn.Mark(style, entry.duration / reference.duration, entry.row.feasible, spread))
-    return drawn.HeadlineRow(report.case.name + " †" * report.best.velocity_only, tuple(marks))
+            marks.append(plot_style.Mark(style, method.duration / reference.duration, method.feasible, spread))
+    return plot_style.HeadlineRow(summary.case.name + " †" * summary.best.velocity_only, tuple(marks))
 
 
 def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mapping[str, str]) -> str:
-    series = [
-        drawn.Series(entry.label, style, entry.motion)
-        for style, _, entry in report.best.present()
-        if entry.motion is not None
-    ]
-    problem = report.case.problem
-    near = [one for one in series if not too_long(one.motion, report.best)]
+    summary, case, problem = report.summary, report.summary.case, report.summary.case.problem
+    series, near = featured_series(summary)
     pictures = {
         "profiles": [
-            figures.profile(f"profile-{joint}", problem, joint, report.case.units[joint], near)
+            figures.profile(f"profile-{joint}", problem, joint, case.units[joint], near)
             for joint in range(problem.n_joints)
             if near
         ],
         "segments": {
             name: figures.segments(f"segments-{name}", series, width) for name, width in WIDTHS.items() if series
         },
-        "ladder": {name: ladder_figure(report.rungs, width) for name, width in WIDTHS.items() if report.rungs},
+        "ladder": {name: ladder_figure(summary.rungs, width) for name, width in WIDTHS.items() if summary.rungs},
     }
     return _render(
         "case.html.j2",
         {
             "report": report,
-            "case": report.case,
+            "case": case,
             "problem": problem,
-            "paper": paper_of(report.case.paper),
-            "sentences": case_answer(report.best, report.budgets),
-            "names": glossary(entry.planner for entry in report.entries),
+            "best": summary.best,
+            "rungs": summary.rungs,
+            "paper": paper_of(case.paper),
+            "sentences": case_answer(summary.best, report.budgets),
+            "names": names_explained(summary.methods),
             "role_of": list(ROLE_NAMES.values()),
             "groups": _groups(report),
-            "known": known_times(report.entries),
-            "single": [entry for entry in report.entries if entry.row.joint is not None],
-            "featured": report.best.present(),
+            "known": known_times(summary.methods),
+            "single": [method for method in summary.methods if method.joint is not None],
+            "featured": summary.best.present(),
             "series": series,
             "near": near,
-            "left_out": [one for one in series if one not in near],
+            "left_out": [each for each in series if each not in near],
             "figures": pictures,
-            "convergence": convergence_of(report.case, report.entries, report.best, WIDTHS),
+            "convergence": convergence_of(summary, WIDTHS),
             "tolerance": TOLERANCE,
             "flags": flags,
             "infinity": float("inf"),
@@ -252,30 +254,39 @@ def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mappin
     )
 
 
-def too_long(motion: Motion, best: Featured) -> bool:
+def featured_series(summary: CaseSummary) -> tuple[list[plot_style.Series], list[plot_style.Series]]:
+    """Give the featured motions with their styles, and those of them that fit into one plot of profiles."""
+    series = [
+        plot_style.Series(method.label, style, method.motion)
+        for style, _, method in summary.best.present()
+        if method.motion is not None
+    ]
+    return series, [each for each in series if not _too_long(each.motion, summary.best)]
+
+
+def _too_long(motion: Motion, best: Featured) -> bool:
     """Whether a motion would squeeze the others' profiles."""
     usual = best.reference.duration if best.reference else None
     return usual is not None and motion.duration > TOO_LONG * usual
 
 
-def _groups(report: CaseReport) -> list[tuple[str, str, list[tuple[Entry, Record]]]]:
+def _groups(report: CaseReport) -> list[tuple[str, str, list[tuple[MethodSummary, Record]]]]:
     """Rows of the results table in the groups that sorting keeps apart: feasible, infeasible, never judged."""
-    whole = [
-        (entry, result_record(report.case, entry, report.source)) for entry in report.entries if entry.row.joint is None
-    ]
-    return [(name, head, [pair for pair in whole if pair[0].standing == name]) for name, head in STANDINGS.items()]
+    case, source = report.summary.case, report.source
+    whole = [(method, result_record(case, method, source)) for method in report.summary.whole]
+    return [(name, head, [pair for pair in whole if pair[0].standing is name]) for name, head in STANDINGS.items()]
 
 
 def ladder_figure(rungs: Sequence[Rung], width: float = WIDTHS["wide"]) -> Markup:
     """Draw the ladder of lost time, so many pixels wide; there must be a rung."""
     bars = [
-        drawn.Bar(
+        plot_style.Bar(
             f"{rung.name}: {rung.method}",
-            wording.seconds(rung.seconds)
-            + (f"  ({wording.percent(rung.relative)})" if rung.relative is not None else "")
+            formatting.seconds(rung.seconds)
+            + (f"  ({formatting.percent(rung.relative)})" if rung.relative is not None else "")
             + ("" if rung.feasible else "  infeasible"),
             rung.seconds,
-            HATCHES.get(rung.path, "xxx"),
+            HATCHES[rung.freedom],
             rung.feasible,
         )
         for rung in rungs

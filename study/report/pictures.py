@@ -1,24 +1,21 @@
-"""Pictures of real results for a README: the ladder, one joint's profiles and the viewer's first look."""
+"""Pictures of real results for a README: the ladder and one joint's profiles; the viewer's picture is made small."""
 
 from __future__ import annotations
 
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 
 from markupsafe import escape
 from PIL import Image
 
-from study.analysis.featured import ROLE_NAMES, featured
-from study.analysis.ladder import ladder_of
-from study.analysis.rows import entries_of
-from study.cases.library import Case
+from study.analysis.case_summary import CaseSummary
+from study.analysis.featured import ROLE_NAMES
 from study.errors import StudyError
-from study.report import drawn, figures
-from study.report.page import ladder_figure, too_long
-from study.store.results import Result
+from study.report import figures
+from study.report.page import featured_series, ladder_figure
 
 COLORS = 256
 """The viewer's picture is kept small with so many colours."""
@@ -31,52 +28,51 @@ DASHES = ("", "8 3", "8 3 2 3", "2 2.5", "4 2 1.5 2 1.5 2", "13 4")
 FONT = 'font-family="system-ui, Segoe UI, Roboto, DejaVu Sans, sans-serif"'
 
 
-def write_pictures(case: Case, results: Sequence[Result], joint: int, recording: Path, folder: Path) -> list[Path]:
-    """Write `CASE-ladder.svg`, `CASE-profile.svg` and `CASE-viewer.png`.
+def pictures_of(summary: CaseSummary, joint: int) -> dict[str, bytes]:
+    """Draw `ladder.svg` and `profile.svg` of a case.
 
     Parameters
     ----------
-    case : Case
-    results : sequence of Result
-        Of this case.
+    summary : CaseSummary
     joint : int
-        Whose profiles are shown, counted from 0.
-    recording : Path
-        Of the same results.
-    folder : Path
+        Joint of the profiles, counted from 0.
 
     Raises
     ------
     StudyError
-        If there is too little to show, the folder cannot be written or the viewer cannot draw here.
+        If there is too little to show.
     """
-    from study.recording import picture  # here: rerun is slow to import
-
-    entries = entries_of(case, results)
-    best = featured(entries)
-    rungs = ladder_of(case, entries, best)
-    series = [drawn.Series(one.label, style, one.motion) for style, _, one in best.present() if one.motion is not None]
-    near = [one for one in series if not too_long(one.motion, best)]
-    if not rungs or not near:
+    case, best, near = summary.case, summary.best, featured_series(summary)[1]
+    if not summary.rungs or not near:
         raise StudyError(f"case {case.name!r}: too few results for pictures; run `study run --cases {case.name}` first")
-    ladder = ladder_figure(rungs)
-    profile = figures.profile("profile", case.problem, joint, case.units[joint], near)
+    ladder = standalone(str(ladder_figure(summary.rungs)), f"The ladder of lost time, case {case.name}", [])
     names = {style: ROLE_NAMES[role] for style, role, _ in best.present()}
-    legend = [(one.style, f"{names[one.style]}: {one.label.removeprefix('published: ')}") for one in near]
-    contents = {
-        "ladder.svg": standalone(str(ladder), f"The ladder of lost time, case {case.name}", []).encode(),
-        "profile.svg": standalone(
-            str(profile), f"{case.problem.joint_names[joint]}, case {case.name}", legend
-        ).encode(),
-        "viewer.png": small(picture(recording, min(one.motion.duration for one in near) / 2)),
-    }
+    legend = [(each.style, f"{names[each.style]}: {each.label.removeprefix('published: ')}") for each in near]
+    drawing = figures.profile("profile", case.problem, joint, case.units[joint], near)
+    profile = standalone(str(drawing), f"{case.problem.joint_names[joint]}, case {case.name}", legend)
+    return {"ladder.svg": ladder.encode(), "profile.svg": profile.encode()}
+
+
+def midway(summary: CaseSummary) -> float:
+    """Time at which every motion of the profiles is still under way, s."""
+    return min(each.motion.duration for each in featured_series(summary)[1]) / 2
+
+
+def write_pictures(folder: Path, name: str, contents: Mapping[str, bytes]) -> list[Path]:
+    """Write pictures, `NAME-` before the name of each.
+
+    Raises
+    ------
+    StudyError
+        If the folder cannot be written.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name, content in contents.items():
-            (folder / f"{case.name}-{name}").write_bytes(content)
+        for file, content in contents.items():
+            (folder / f"{name}-{file}").write_bytes(content)
     except OSError as error:
         raise StudyError(f"pictures cannot be written to {str(folder)!r}: {error.strerror}") from None
-    return [folder / f"{case.name}-{name}" for name in contents]
+    return [folder / f"{name}-{file}" for file in contents]
 
 
 def standalone(svg: str, title: str, legend: Sequence[tuple[int, str]]) -> str:
@@ -85,7 +81,7 @@ def standalone(svg: str, title: str, legend: Sequence[tuple[int, str]]) -> str:
     Parameters
     ----------
     svg : str
-        As `study.report.svg.themed` makes it.
+        As `study.report.plot_style.themed` makes it.
     title : str
     legend : sequence of (style, name)
     """
@@ -107,7 +103,7 @@ def standalone(svg: str, title: str, legend: Sequence[tuple[int, str]]) -> str:
         f'viewBox="0 0 {across:g} {height + top}" width="{across:g}" height="{height + top}">'
         f'<rect width="100%" height="100%" fill="var(--paper)"/>{"".join(lines)}{inner}</svg>\n'
     )
-    return re.sub(r"var\(--(\w+)\)", lambda found: colors[found[1]], whole)
+    return re.sub(r"var\(--(\w+)\)", lambda match: colors[match[1]], whole)
 
 
 def small(png: bytes) -> bytes:

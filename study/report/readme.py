@@ -2,53 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
-from study.analysis.featured import ROLE_NAMES, Featured, featured
+from study.analysis.case_summary import CaseSummary
+from study.analysis.featured import ROLE_NAMES
 from study.analysis.formatting import DASH, percent, seconds
-from study.analysis.rows import Entry, entries_of, lower_bound
+from study.analysis.methods import Kind, MethodSummary, lower_bound
 from study.analysis.sentences import answer
-from study.cases.library import Case
 from study.errors import StudyError
-from study.store.results import Result
 
 BEGIN, END = "<!-- answer -->", "<!-- /answer -->"
 COLUMNS = ("published", "search", "optimiser", "fixed", "free")
 
 
-def answer_in_markdown(cases: Mapping[str, Case], results: Sequence[Result]) -> str:
-    """Say what came out in three sentences and a table with one row for each case.
-
-    Parameters
-    ----------
-    cases : mapping of str to Case
-    results : sequence of Result
-    """
-    tables = [(case, entries_of(case, results)) for case in cases.values()]
-    best = [featured(entries, case.velocity_only) for case, entries in tables]
+def answer_in_markdown(summaries: Sequence[CaseSummary]) -> str:
+    """Say what came out in three sentences and a table with one row for each case."""
     heads = ["case", *(ROLE_NAMES[role] for role in COLUMNS), "no motion is faster than"]
-    rows = [_row(case, entries, chosen) for (case, entries), chosen in zip(tables, best, strict=True)]
-    lines = [heads, ["---"] * len(heads), *rows]
+    lines = [heads, ["---"] * len(heads), *map(_row, summaries)]
     table = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
-    budgets = [case.settings.evaluations for case in cases.values()]
-    return "\n".join((*(f"- {sentence}" for sentence in answer(best, budgets)), "", table))
+    budgets = [summary.case.settings.evaluations for summary in summaries]
+    sentences = answer([summary.best for summary in summaries], budgets)
+    return "\n".join((*(f"- {sentence}" for sentence in sentences), "", table))
 
 
-def _row(case: Case, entries: Sequence[Entry], best: Featured) -> list[str]:
+def _row(summary: CaseSummary) -> list[str]:
+    best = summary.best
     times = [_time(getattr(best, role), best.reference) for role in COLUMNS]
-    return [case.name + " †" * best.velocity_only, *times, seconds(lower_bound(entries))]
+    return [summary.case.name + " †" * best.velocity_only, *times, seconds(lower_bound(summary.methods))]
 
 
-def _time(entry: Entry | None, reference: Entry | None) -> str:
-    if entry is None:
+def _time(method: MethodSummary | None, reference: MethodSummary | None) -> str:
+    if method is None:
         return DASH
-    name = "" if entry.row.kind == "published" else f" `{entry.planner}`"
-    if not entry.row.feasible:
-        return f"{seconds(entry.duration)}{name}, {'not judged' if entry.motion is None else 'breaks a limit'}"
-    if reference is None or entry is reference or not (entry.row.median and reference.row.median):
-        return seconds(entry.duration) + name
-    return f"{seconds(entry.duration)}{name} ({percent(entry.row.median / reference.row.median - 1.0)})"
+    name = "" if method.kind is Kind.PUBLISHED else f" `{method.planner}`"
+    if not method.feasible:
+        return f"{seconds(method.duration)}{name}, {'not judged' if method.motion is None else 'breaks a limit'}"
+    if reference is None or method is reference or not (method.median and reference.median):
+        return seconds(method.duration) + name
+    return f"{seconds(method.duration)}{name} ({percent(method.median / reference.median - 1.0)})"
 
 
 def put_answer(path: Path, text: str) -> None:

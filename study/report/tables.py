@@ -12,9 +12,12 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from study.analysis.case_summary import CaseSummary
 from study.analysis.formatting import DASH, bare_seconds, count, percent, share, wall
-from study.analysis.rows import Entry
+from study.analysis.methods import Kind, MethodSummary
 from study.cases.library import Case
+from study.io.export import usual_rate, write_motion
+from study.io.filenames import file_stem
 from study.judge import RATES
 from study.runs.lineup import QUICK_EVALUATIONS, TIME_LIMIT
 
@@ -57,15 +60,16 @@ COLUMNS = (
         _number(bare_seconds),
     ),
     Column("best_s", "Best, s", "the luckiest seed: shortest time of a feasible run", _number(bare_seconds)),
+    Column("gap", "Gap", "median above the shortest feasible time known here, on whatever path", _number(percent)),
     Column(
-        "gap_same_path",
-        "Gap",
+        "behind_same_kind",
+        "Behind its kind",
         "median above the shortest feasible time known here for the same kind of path",
         _number(percent),
     ),
     Column(
-        "gap_to_bound",
-        "To bound",
+        "above_bound",
+        "Above bound",
         "median above the proved lower bound of any motion through the waypoints",
         _number(percent),
     ),
@@ -87,7 +91,7 @@ ARROW = {str: pa.string(), int: pa.int64(), float: pa.float64(), bool: pa.bool_(
 SCHEMAS: dict[str, dict[str, type]] = {
     "results": {
         **dict.fromkeys(("case",), str), "rank": int, **dict.fromkeys(("method", "kind", "path"), str),
-        **dict.fromkeys(("median_s", "best_s", "gap_same_path", "gap_any_path", "gap_to_bound"), float), "feasible": str,
+        **dict.fromkeys(("median_s", "best_s", "gap", "behind_same_kind", "above_bound"), float), "feasible": str,
         **dict.fromkeys(("runs", "feasible_runs"), int), "worst_ratio": float, "evaluations": int,
         **dict.fromkeys(("wall_s", "claimed_s"), float), **dict.fromkeys(("reason", "command"), str),
     },
@@ -109,25 +113,25 @@ AGAIN = "again"
 """Folder of the commands below, so that the report they are copied from stays as it is."""
 
 
-def command(case: Case, entry: Entry, source: str = "") -> str:
+def command(case: Case, method: MethodSummary, source: str = "") -> str:
     """Shell command that makes a row again, in a folder of its own; empty where the paper prints nothing to judge.
 
     Parameters
     ----------
     case : Case
-    entry : Entry
+    method : MethodSummary
     source : str
         What loads the case: its name by default, a path for a case of one's own.
     """
-    if entry.row.representative is None:
+    if method.representative is None:
         return ""
     parts = ["study", "run", "--cases", source or case.name, "--planners"]
-    if not entry.results:  # every run judges what the paper prints; this is the quickest one
+    if method.kind is Kind.PUBLISHED:  # every run judges what the paper prints; this is the quickest one
         return shlex.join([*parts, "centre", "--out", AGAIN])
-    settings = entry.results[0].cell.settings
-    parts.append(entry.label)
-    if entry.row.kind == "search":
-        parts += ["--seeds", str(max(one.cell.settings.seed for one in entry.results) + 1)]
+    settings = method.results[0].cell.settings
+    parts.append(method.label)
+    if method.kind is Kind.SEARCH:
+        parts += ["--seeds", str(max(run.cell.settings.seed for run in method.results) + 1)]
     if settings.evaluations != QUICK_EVALUATIONS:
         parts += ["--evaluations", str(settings.evaluations)]
     if settings.time_limit != TIME_LIMIT:
@@ -135,64 +139,63 @@ def command(case: Case, entry: Entry, source: str = "") -> str:
     return shlex.join([*parts, "--out", AGAIN])
 
 
-def result_record(case: Case, entry: Entry, source: str = "") -> Record:
+def result_record(case: Case, method: MethodSummary, source: str = "") -> Record:
     """One row of the results table; times in s, shares as plain numbers; `source` is what loads the case."""
-    row = entry.row
     return {
         "case": case.name,
-        "rank": entry.rank,
-        "method": entry.label,
-        "kind": row.kind,
-        "path": entry.path,
-        "median_s": _float(entry.duration),
-        "best_s": _float(row.best),
-        "gap_same_path": _float(entry.gap),
-        "gap_any_path": _float(row.gap),
-        "gap_to_bound": _float(entry.gap_to_bound),
-        "feasible": f"{row.feasible_runs}/{row.runs}",
-        "runs": row.runs,
-        "feasible_runs": row.feasible_runs,
-        "worst_ratio": _float(row.worst_ratio),
-        "evaluations": row.evaluations,
-        "wall_s": _float(row.wall_time),
-        "claimed_s": _float(row.claimed),
-        "reason": row.reason,
-        "command": command(case, entry, source),
+        "rank": method.rank,
+        "method": method.label,
+        "kind": method.kind,
+        "path": method.freedom or "",
+        "median_s": _float(method.duration),
+        "best_s": _float(method.best),
+        "gap": _float(method.gap),
+        "behind_same_kind": _float(method.behind_same_kind),
+        "above_bound": _float(method.above_bound),
+        "feasible": f"{method.feasible_runs}/{method.runs}",
+        "runs": method.runs,
+        "feasible_runs": method.feasible_runs,
+        "worst_ratio": _float(method.worst_ratio),
+        "evaluations": method.evaluations,
+        "wall_s": _float(method.wall_time),
+        "claimed_s": _float(method.claimed),
+        "reason": method.reason,
+        "command": command(case, method, source),
     }
 
 
-def run_records(case: Case, entry: Entry) -> list[Record]:
+def run_records(case: Case, method: MethodSummary) -> list[Record]:
     """One record for every seed of a method."""
     return [
         {
             "case": case.name,
-            "method": entry.label,
-            "seed": one.cell.settings.seed,
-            "status": one.status.value,
-            "duration_s": _float(one.verdict.duration) if one.verdict else None,
-            "feasible": bool(one.verdict and one.verdict.feasible),
-            "worst_ratio": _float(one.verdict.worst_ratio) if one.verdict else None,
-            "waypoint_error": _float(one.verdict.waypoint_error.max()) if one.verdict else None,
-            "continuity": one.verdict.continuity if one.verdict else None,
-            "evaluations": one.evaluations,
-            "iterations": one.iterations,
-            "wall_s": _float(one.wall_time),
-            "message": "; ".join(one.verdict.reasons) if one.verdict and one.verdict.reasons else one.message,
+            "method": method.label,
+            "seed": run.cell.settings.seed,
+            "status": run.status.value,
+            "duration_s": _float(run.verdict.duration) if run.verdict else None,
+            "feasible": bool(run.verdict and run.verdict.feasible),
+            "worst_ratio": _float(run.verdict.worst_ratio) if run.verdict else None,
+            "waypoint_error": _float(run.verdict.waypoint_error.max()) if run.verdict else None,
+            "continuity": run.verdict.continuity if run.verdict else None,
+            "evaluations": run.evaluations,
+            "iterations": run.iterations,
+            "wall_s": _float(run.wall_time),
+            "message": "; ".join(run.verdict.reasons) if run.verdict and run.verdict.reasons else run.message,
         }
-        for one in entry.results
+        for run in (method.results if method.kind is not Kind.PUBLISHED else ())
     ]
 
 
-def limit_records(case: Case, entry: Entry) -> list[Record]:
+def limit_records(case: Case, method: MethodSummary) -> list[Record]:
     """One record for every joint and rate of a method's representative motion."""
-    verdict = entry.row.representative.verdict if entry.row.representative else None
-    if verdict is None or entry.row.joint is not None:
+    verdict = method.representative.verdict if method.representative else None
+    if verdict is None or method.joint is not None:
         return []
     limits = case.problem.limits.rates
     return [
         {
             "case": case.name,
-            "method": entry.label,
+            "method": method.label,
             "joint": name,
             "rate": rate,
             "peak": _float(verdict.peaks[order, joint]),
@@ -206,20 +209,18 @@ def limit_records(case: Case, entry: Entry) -> list[Record]:
     ]
 
 
-def segment_records(case: Case, entry: Entry) -> list[Record]:
+def segment_records(case: Case, method: MethodSummary) -> list[Record]:
     """One record for every segment of a method's representative motion."""
-    if entry.motion is None or entry.row.joint is not None:
+    if method.motion is None or method.joint is not None:
         return []
-    times = entry.motion.waypoint_times
+    times = method.motion.waypoint_times
     return [
-        {"case": case.name, "method": entry.label, "segment": k + 1, "start_s": float(a), "duration_s": float(b - a)}
+        {"case": case.name, "method": method.label, "segment": k + 1, "start_s": float(a), "duration_s": float(b - a)}
         for k, (a, b) in enumerate(pairwise(times))
     ]
 
 
-def write_tables(
-    folder: Path, name: str, cases: Sequence[tuple[Case, Sequence[Entry]]], sources: Mapping[str, str]
-) -> None:
+def write_tables(folder: Path, name: str, summaries: Sequence[CaseSummary], sources: Mapping[str, str]) -> None:
     """Write results, runs, limits and segments of some cases as CSV and Parquet.
 
     Parameters
@@ -227,11 +228,11 @@ def write_tables(
     folder : Path
     name : str
         Beginning of the file names.
-    cases : sequence of (Case, entries)
+    summaries : sequence of CaseSummary
     sources : mapping of str to str
         What loads a case, where that is not its name.
     """
-    pairs = [(case, entry) for case, entries in cases for entry in entries]
+    pairs = [(summary.case, method) for summary in summaries for method in summary.methods]
     tables = {
         "results": [result_record(*pair, sources.get(pair[0].name, "")) for pair in pairs],
         "runs": [record for pair in pairs for record in run_records(*pair)],
@@ -254,3 +255,22 @@ def raw(value: Value) -> str:
 
 def _float(value: float | None) -> float | None:
     return None if value is None else float(value)
+
+
+RATE = 50.0
+"""Samples per second of motions of seconds and minutes, Hz; `study plan` writes any other rate, and the exact polynomials."""
+MOST_SAMPLES = 10_000
+
+
+def motion_files(methods: Sequence[MethodSummary]) -> dict[str, str]:
+    """File names for the methods that have a motion to show, by label."""
+    shown = [method.label for method in methods if method.motion is not None and method.joint is None]
+    return {label: f"{file_stem(label)}.csv" for label in shown}
+
+
+def write_motions(folder: Path, summary: CaseSummary, files: Mapping[str, str]) -> None:
+    """Write the representative motion of every method: time, positions, velocities and accelerations of all joints."""
+    for method in summary.whole:
+        if method.label in files and method.motion is not None:
+            rate = usual_rate(method.motion.duration, RATE, MOST_SAMPLES)
+            write_motion(method.motion, summary.case.problem, folder / files[method.label], rate)

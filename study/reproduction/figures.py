@@ -14,8 +14,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from study.report.drawn import DASHES, GRID, INK, RC, SERIES
-from study.report.svg import themed
+from study.report.plot_style import DASHES, GRID, INK, RC, SERIES, themed
 from study.reproduction.common import NUMBERS, Panel, chaos_numbers, chi_squares
 from study.search.chaos import N_BINS
 

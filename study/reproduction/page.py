@@ -15,7 +15,7 @@ from study.cases.library import load_case
 from study.cases.published import Table, papers, tables
 from study.errors import StudyError
 from study.report import figures as report_figures
-from study.report.drawn import Series
+from study.report.plot_style import Series
 from study.report.rendering import render
 from study.reproduction import figures
 from study.reproduction.benchmark_table import BenchmarkTable

@@ -20,7 +20,7 @@ from study.problem import Floats, JointLimits, Problem
 from study.recording import APPLICATION, case_recording, record_case, scene
 from study.recording.contents import ALIKE, NANOSECOND, gather, method_colors, sample_times
 from study.recording.process import private_environment
-from study.recording.stream import entity, method
+from study.recording.stream import entity, method_part
 from study.recording.summary import markdown, plain
 from study.robots import robot_named
 from tests.helpers.recordings import chunks, columns, on_curve, result, series, some_results, stepping
@@ -211,7 +211,7 @@ def test_hostile_names_stay_apart_and_readable(tmp_path: Path, woodworking: Case
     path = record_case(case, results, tmp_path / "a.rrd")
     assert RrdReader(str(path)).recordings()[0].recording_id == case.name
     for label, factor in zip(HOSTILE, durations, strict=True):
-        times, _ = series(path, entity("q", "joint 1", method(label)))
+        times, _ = series(path, entity("q", "joint 1", method_part(label)))
         assert times[-1] * NANOSECOND == pytest.approx(motion.duration * factor, abs=1e-8)
     assert "we/ird né \\`\\|\\` \\#1 \\<b\\>" in markdown(gather(case, results, 5))
 

@@ -9,13 +9,13 @@ from urllib.parse import unquote
 
 import numpy as np
 import pytest
+from study.analysis.rows import entries_of
+from study.report.motions import RATE, motion_files
 
 from study.analysis.featured import featured
-from study.analysis.rows import entries_of
 from study.cases.library import Case, load_case
-from study.report.drawn import HeadlineRow, Mark, crowded
-from study.report.motions import RATE, motion_files
 from study.report.page import build_report
+from study.report.plot_style import HeadlineRow, Mark, crowded
 from study.runs.lineup import Budget, Spec, make_cells
 from study.runs.runner import Task, execute
 from study.store.results import Result

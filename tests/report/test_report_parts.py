@@ -8,14 +8,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from study.analysis.causes import causes_of
+from study.analysis.glossary import glossary
+from study.analysis.rows import Entry, entries_of, on_curve
 
 from study.analysis import formatting as wording
-from study.analysis.causes import causes_of
 from study.analysis.featured import Featured, featured
-from study.analysis.glossary import glossary
 from study.analysis.ladder import ladder_of
 from study.analysis.methods import CURVE, FIXED_PATH, FREE_PATH, Row
-from study.analysis.rows import Entry, entries_of, on_curve
 from study.analysis.sentences import answer, case_answer
 from study.cases.library import Case, case_names, load_case
 from study.cases.papers import paper_of
@@ -24,9 +24,8 @@ from study.judge import judge
 from study.planning import RunSettings, Status
 from study.problem import JointLimits, Problem
 from study.report.convergence import _on_grid, convergence_of
-from study.report.drawn import Convergence, HeadlineRow, Mark, Series, spaced_ticks
 from study.report.figures import convergence, headline, profile
-from study.report.svg import THEME, themed
+from study.report.plot_style import THEME, Convergence, HeadlineRow, Mark, Series, spaced_ticks, themed
 from study.runs.lineup import Budget, Spec, default_lineup, make_cells
 from study.runs.runner import Task, execute
 from study.store.results import Cell, Result

@@ -1,16 +1,34 @@
-"""What the figures are made from, their styles and the arithmetic of their axes; no plotting here."""
+"""Plot data of the figures, their styles, the arithmetic of their axes, and SVG fit for a page; no plotting here."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup, escape
 
 from study.problem import Floats
-from study.report.svg import PLACEHOLDER
 from study.trajectory import Motion
+
+THEME = {
+    "#010101": "ink",
+    "#020202": "muted",
+    "#030303": "grid",
+    "#040404": "band",
+    "#050505": "paper",
+    "#0a0a01": "s1",
+    "#0a0a02": "s2",
+    "#0a0a03": "s3",
+    "#0a0a04": "s4",
+    "#0a0a05": "s5",
+    "#0a0a06": "s6",
+}
+"""Placeholder colours that a figure draws with, and the custom property of the style sheet that takes their place."""
+
+PLACEHOLDER = {name: colour for colour, name in THEME.items()}
 
 INK, MUTED, GRID, BAND, PAPER = (PLACEHOLDER[name] for name in ("ink", "muted", "grid", "band", "paper"))
 SERIES = tuple(PLACEHOLDER[f"s{k}"] for k in range(1, 7))
@@ -103,7 +121,7 @@ LABEL_ROOM = 74
 
 def crowded(row: HeadlineRow, mark: Mark, limits: tuple[float, float], width: float) -> bool:
     """Whether another mark stands where a label to the right of this one would go."""
-    ratios = [one.ratio for one in row.marks if LANES[one.role] == LANES[mark.role] and one is not mark]
+    ratios = [other.ratio for other in row.marks if LANES[other.role] == LANES[mark.role] and other is not mark]
     scale = width / np.log(limits[1] / limits[0])
     return any(0 < np.log(ratio / mark.ratio) * scale < LABEL_ROOM for ratio in ratios)
 
@@ -135,3 +153,37 @@ def sample_times(motion: Motion) -> Floats:
     even = np.linspace(0.0, motion.duration, SAMPLES)
     inner = motion.knots[1:-1] if len(motion.knots) < SAMPLES else np.empty(0)
     return np.sort(np.concatenate([even, inner, inner * (1 - 1e-9)]))
+
+
+def themed(raw: str, key: str, title: str, description: str) -> Markup:
+    """Turn a stand-alone SVG file into an inline figure.
+
+    Parameters
+    ----------
+    raw : str
+        What the plotting library wrote.
+    key : str
+        Letters and digits; put before every id, so that figures on one page do not share any.
+    title, description : str
+        What a screen reader says; escaped here.
+    """
+    body = raw[raw.index("<svg") :]
+    body = re.sub(r"<metadata>.*?</metadata>\s*", "", body, flags=re.DOTALL)
+    body = re.sub(r"<!--.*?-->\s*", "", body, flags=re.DOTALL)
+    body = re.sub("|".join(THEME), lambda match: f"var(--{THEME[match[0]]})", body)
+    body = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px", body)
+    view = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', body)
+    width, height = (view[1], view[2]) if view else ("400", "300")
+    opening = (
+        f'<svg xmlns:xlink="http://www.w3.org/1999/xlink" xmlns="http://www.w3.org/2000/svg" '
+        f'viewBox="0 0 {width} {height}" role="img" aria-labelledby="{key}-title {key}-desc" style="max-width:{float(width) * 1.25:.0f}px">'
+        f'<title id="{key}-title">{escape(title)}</title><desc id="{key}-desc">{escape(description)}</desc>'
+    )
+    inside = _own_ids(body[body.index(">") + 1 :], key)
+    return Markup(opening + inside.strip())  # noqa: S704 - title and description are escaped above, the rest is plotted
+
+
+def _own_ids(body: str, key: str) -> str:
+    used = set(re.findall(r'(?:url\(#|href="#)([^)"]+)', body))
+    body = re.sub(r' id="([^"]+)"', lambda match: f' id="{key}-{match[1]}"' if match[1] in used else "", body)
+    return re.sub(r'(url\(#|href="#)', rf"\g<1>{key}-", body)
