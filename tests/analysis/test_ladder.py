@@ -7,27 +7,26 @@ import io
 import pytest
 from rich.console import Console
 
-from study.analysis.featured import featured
-from study.analysis.ladder import ladder_of
-from study.analysis.methods import CURVE, FIXED_PATH, FREE_PATH, case_rows
-from study.analysis.rows import entries_of, lower_bound
+from study.analysis.case_summary import CaseSummary, summarise_case
+from study.analysis.ladder import CauseKind
+from study.analysis.methods import Kind, lower_bound
 from study.cases.library import load_case
 from study.cli import terminal
+from study.planning import Freedom
 from study.runs.lineup import AS_IN_PAPER, Budget, Spec, make_cells
 from study.runs.runner import Task, execute
-from study.store.results import Result
 
 REFERENCES = ("casadi-nlp", "certified", "quintic-nlp", "toppra", "ruckig-via", "free-path-nlp", "any-motion-bound")
 
 
-def study_of(name: str, *more: Spec, references: tuple[str, ...] = REFERENCES) -> list[Result]:
+def study_of(name: str, *more: Spec, references: tuple[str, ...] = REFERENCES) -> CaseSummary:
     case = load_case(name)
     cells = make_cells([case], [*map(Spec, references), *more], Budget(seeds=2, evaluations=600))
-    return [execute(Task(cell, case.problem)) for cell in cells]
+    return summarise_case(case, [execute(Task(cell, case.problem)) for cell in cells])
 
 
 @pytest.fixture(scope="module")
-def woodworking() -> list[Result]:
+def woodworking() -> CaseSummary:
     searches = [
         Spec("golds-pso"),
         Spec("pso"),
@@ -37,11 +36,9 @@ def woodworking() -> list[Result]:
     return study_of("woodworking", Spec("casadi-nlp", synchronisation=AS_IN_PAPER), *searches)
 
 
-def test_every_rung_of_the_woodworking_ladder_is_named_by_its_cause(woodworking: list[Result]) -> None:
+def test_every_rung_of_the_woodworking_ladder_is_named_by_its_cause(woodworking: CaseSummary) -> None:
     """7.8776 published, 8.2639 by the joints' own optima, 7.47562 shared, then freer curves, down to the bound."""
-    case = load_case("woodworking")
-    entries = entries_of(case, woodworking)
-    rungs = ladder_of(case, entries, featured(entries))
+    rungs = woodworking.rungs
     by_method = {name: rung for rung in rungs for name in rung.method.split(", ")}
     shared = next(rung for rung in rungs if rung.name.startswith("Deterministic optimum"))
     order = [
@@ -59,10 +56,11 @@ def test_every_rung_of_the_woodworking_ladder_is_named_by_its_cause(woodworking:
     assert by_method["casadi-nlp:per-joint"].seconds == pytest.approx(8.26392, abs=1e-3)
     assert shared.seconds == pytest.approx(7.47562, abs=1e-5)
     assert by_method["ruckig-via"].seconds < 3.37
-    kinds = [by_method[name].cause.split(":")[0] for name in order[1:-1]]
-    assert kinds == ["synchronisation rule", "optimiser", "curve family", "curve family", "path"]
-    assert by_method["quintic-nlp"].path == by_method["ruckig-via"].path == FREE_PATH
-    assert by_method["toppra"].path == FIXED_PATH
+    kinds = [CauseKind.RULE, CauseKind.OPTIMISER, CauseKind.PATH, CauseKind.CURVE, CauseKind.PATH, CauseKind.PROOF]
+    assert [by_method[name].kind for name in order[1:]] == kinds
+    assert by_method["quintic-nlp"].freedom is by_method["ruckig-via"].freedom is Freedom.FREE
+    assert by_method["toppra"].freedom is Freedom.PATH
+    assert "TOPP-RA: the fastest speed along a given path" in by_method["toppra"].cause
     falling = [rung.seconds for rung in rungs if rung.method in order[2:]]
     assert falling == sorted(falling, reverse=True)
     assert [rung.name for rung in rungs][-1] == "Lower bound"
@@ -77,20 +75,18 @@ JERK = ("casadi-nlp", "certified", "topp3-nlp", "ruckig-via", "free-path-nlp", "
 def test_nothing_feasible_lies_below_a_lower_bound(name: str) -> None:
     """The judge forgives 1e-6 of a limit, which is worth up to as much of the time."""
     searches = [Spec("pso", "scaled", "shared"), Spec("random-search", "scaled", "shared")]
-    case, results = load_case(name), study_of(name, *searches, references=JERK)
-    entries = entries_of(case, results)
-    anything, on_the_curve = lower_bound(entries), lower_bound(entries, CURVE)
+    methods = study_of(name, *searches, references=JERK).whole
+    anything, on_the_curve = lower_bound(methods), lower_bound(methods, Freedom.CURVE)
     assert anything is not None
     assert on_the_curve is not None
     assert anything < on_the_curve
-    feasible = [one for one in results if one.verdict and one.verdict.feasible]
-    assert len(feasible) > 5
-    paths = {entry.label: entry.path for entry in entries}
-    for one in feasible:
-        assert one.verdict is not None
-        least = on_the_curve if paths[one.cell.label] == CURVE else anything
-        assert one.verdict.duration >= least * (1 - 1e-6), one.cell.label
-    gaps = [entry.gap_to_bound for entry in entries if entry.row.feasible and entry.row.joint is None]
+    feasible = [method for method in methods if method.feasible]
+    assert len(feasible) > 4
+    for method in feasible:
+        assert method.best is not None
+        least = on_the_curve if method.freedom is Freedom.CURVE and method.kind is not Kind.PUBLISHED else anything
+        assert method.best >= least * (1 - 1e-6), method.label
+    gaps = [method.above_bound for method in feasible]
     assert all(gap is not None and gap >= -1e-6 for gap in gaps)
 
 
@@ -98,17 +94,16 @@ def test_a_weak_bound_on_the_curve_gives_way_to_that_on_any_motion() -> None:
     """The B-spline's linear programme knows nothing of jerk limits, the bound on any motion does."""
     case = load_case("ur5-bspline-jerk-matched")
     names = ("casadi-nlp", "any-motion-bound")
-    entries = entries_of(case, study_of(case.name, references=names))
-    own, anything = (next(one.bound for one in entries if one.label == name) for name in names)
+    methods = study_of(case.name, references=names).methods
+    own, anything = (next(method.bound for method in methods if method.label == name) for name in names)
     assert own is not None
     assert anything is not None
-    assert own < anything == lower_bound(entries, CURVE) == lower_bound(entries)
+    assert own < anything == lower_bound(methods, Freedom.CURVE) == lower_bound(methods)
 
 
-def test_the_terminal_table_says_path_limits_and_bound(woodworking: list[Result]) -> None:
-    case = load_case("woodworking")
+def test_the_terminal_table_says_path_limits_and_bound(woodworking: CaseSummary) -> None:
     console = Console(width=200, file=io.StringIO())
-    console.print(terminal.rows_table(case, case_rows(case, woodworking)))
+    console.print(terminal.methods_table(woodworking))
     text = console.file.getvalue()  # type: ignore[attr-defined]
     assert "(limits: published)" in text
     lines = {words[0]: words[1:] for line in text.splitlines() if len(words := line.replace("│", " ").split()) > 2}

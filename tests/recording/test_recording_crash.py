@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from study.analysis.case_summary import summarise_case
 from study.cases.library import load_case
 from study.recording.contents import NANOSECOND, gather
 from study.recording.process import private_environment
@@ -53,6 +54,6 @@ def test_a_killed_run_leaves_recordings_of_what_was_finished(
         with private_environment() as (program, environment):
             assert subprocess.run([program, "rrd", "verify", str(path)], env=environment, check=False).returncode == 0
         own = [result for result in results if result.cell.case == name]
-        for one in gather(cases[name], own, 250).shown:
+        for one in gather(summarise_case(cases[name], own), 250).shown:
             times, values = series(path, entity("q", "joint 1", one.label))
             np.testing.assert_array_equal(values[:, 0], one.motion(times * NANOSECOND)[:, 0])

@@ -11,6 +11,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from study.analysis.case_summary import summarise_case
 from study.cases.library import Case, load_case
 from study.recording import meshes, record_case, viewer
 from study.recording.contents import NANOSECOND, gather
@@ -60,7 +61,7 @@ def make(tmp_path: Path) -> Callable[..., tuple[Case, Path]]:
 
 def recorded(case: Case, path: Path) -> Path:
     runs = [result(case, name, on_curve(case, np.array(d))) for name, d in (("one", [1, 1, 1]), ("two", [2, 1, 1]))]
-    return record_case(case, runs, path, samples=30)
+    return record_case(summarise_case(case, runs), path, samples=30)
 
 
 def summary(path: Path) -> str:
@@ -83,7 +84,7 @@ def test_meshes_stand_where_forward_kinematics_puts_their_links(
     assert robot.missing == ""
     assert [shape.frame for shape in robot.shapes] == [0, 1, 3, 3]
     assert "capsules" not in summary(path)
-    one = next(o for o in gather(case, [result(case, "one", on_curve(case, np.ones(3)))], 30).shown)
+    one = next(o for o in gather(summarise_case(case, [result(case, "one", on_curve(case, np.ones(3)))]), 30).shown)
     for number, shape in enumerate(robot.shapes):
         where = entity("arms", "one", "links", f"frame{shape.frame}")
         (batch,) = chunks(path, where, "Transform3D:translation")

@@ -9,6 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from study.analysis.case_summary import summarise_case
 from study.analysis.replay import replayed
 from study.cases.library import Case, load_case
 from study.cases.obstacles import world_of
@@ -68,9 +69,9 @@ def test_what_cannot_be_replayed_is_left_out(case: Case, results: list[Result]) 
 
 
 def test_populations_are_drawn_where_they_were(case: Case, results: list[Result], tmp_path: Path) -> None:
-    path = record_case(case, results, tmp_path / "a.rrd", samples=20)
-    (swarm, _) = swarms_of(gather(case, results, 20))
-    (batch,) = chunks(path, entity("population", swarm.one.label, "0"), "Points2D:positions")
+    path = record_case(summarise_case(case, results), tmp_path / "a.rrd", samples=20)
+    (swarm, _) = swarms_of(gather(summarise_case(case, results), 20))
+    (batch,) = chunks(path, entity("population", swarm.shown.label, "0"), "Points2D:positions")
     generations = batch.column("generation").to_numpy() - 1
     assert generations[0] == 0
     assert generations[-1] == swarm.replay.generations - 1
@@ -85,17 +86,19 @@ def test_populations_are_drawn_where_they_were(case: Case, results: list[Result]
 
 
 def test_the_same_results_give_the_same_populations(case: Case, results: list[Result], tmp_path: Path) -> None:
-    first, second = (columns(record_case(case, results, tmp_path / f"{k}.rrd", samples=20)) for k in range(2))
+    first, second = (
+        columns(record_case(summarise_case(case, results), tmp_path / f"{k}.rrd", samples=20)) for k in range(2)
+    )
     population = {key for key in first if key[0].startswith(("/population", "/swarm"))}
     assert len(population) > 20
     assert all(first[key] == second[key] for key in population)
 
 
 def test_wall_times_of_a_history_end_with_the_run(case: Case, results: list[Result]) -> None:
-    shown = {one.label: one for one in gather(case, results, 20).shown}
-    entry = shown["pso:scaled,shared"].entry
+    shown = {one.label: one for one in gather(summarise_case(case, results), 20).shown}
+    entry = shown["pso:scaled,shared"].method
     times, (counts, _) = wall_times(entry), history(entry)
-    run_of = entry.row.representative
+    run_of = entry.representative
     assert run_of is not None
     assert times[-1] == pytest.approx(run_of.wall_time)
     np.testing.assert_allclose(times / times[-1], counts / counts[-1])
@@ -107,8 +110,8 @@ def test_distances_to_obstacles_and_collisions(results: list[Result], tmp_path: 
     robot = robot_named(case.robot, tuple(case.problem.joint_names))
     tool = robot.frames(case.robot_configuration(case.problem.waypoints))[1, -1, :3, 3]
     case = replace(case, obstacles=np.array([[tool - 0.01, tool + 0.01]]), arm_radius=0.02)
-    path = record_case(case, results, tmp_path / "a.rrd", samples=30)
-    one = gather(case, results, 30).shown[0]
+    path = record_case(summarise_case(case, results), tmp_path / "a.rrd", samples=30)
+    one = gather(summarise_case(case, results), 30).shown[0]
     times, values = series(path, entity("clearance", one.label))
     chain = robot.frames(case.robot_configuration(one.motion(times * NANOSECOND)))[:, :, :3, 3]
     np.testing.assert_array_equal(values[:, 0], arm_clearance(world_of(case), chain, case.arm_radius))

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from rerun.experimental import ViewerClient
 
+from study.analysis.case_summary import summarise_case
 from study.cases.library import case_names, load_case
 from study.errors import StudyError
 from study.recording import live_recording, process, record_case, screenshot, view, viewer
@@ -32,7 +33,7 @@ OTHERS = [name for name in case_names(default_only=True) if name != "woodworking
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     case = load_case("woodworking")
-    return record_case(case, some_results(case), tmp_path_factory.mktemp("viewer") / "woodworking.rrd")
+    return record_case(summarise_case(case, some_results(case)), tmp_path_factory.mktemp("viewer") / "woodworking.rrd")
 
 
 @can_draw
@@ -70,7 +71,7 @@ def test_the_first_look_and_the_searches_of_every_case(name: str, tabs: tuple[st
     case = load_case(name)
     cells = make_cells([case], [Spec(case.planner), Spec("pso", "scaled")], Budget(seeds=1, evaluations=100))
     results = [execute(Task(cell, case.problem)) for cell in cells]
-    path = record_case(case, [*some_results(case), *results], tmp_path / f"{name}.rrd", samples=60)
+    path = record_case(summarise_case(case, [*some_results(case), *results]), tmp_path / f"{name}.rrd", samples=60)
     with viewer.headless(path, SMALL) as client:
         for tab in tabs:
             viewer.show_tab(client, tab)
@@ -87,7 +88,7 @@ def test_the_first_look_and_the_searches_of_every_case(name: str, tabs: tuple[st
 @pytest.mark.timeout(120)
 def test_a_recording_opens_with_the_arms_in_motion(recording: Path) -> None:
     case = load_case("woodworking")
-    run_time = gather(case, some_results(case), 250).run_time
+    run_time = gather(summarise_case(case, some_results(case)), 250).run_time
     with viewer.headless(recording, SMALL) as client:
         seen: list[float] = []
         deadline = time.monotonic() + 60

@@ -13,14 +13,14 @@ import pytest
 from PIL import Image
 
 from study import recording
+from study.analysis.case_summary import summarise_case
 from study.cases.ledger import data_folder
 from study.cases.library import load_case
 from study.errors import StudyError
-from study.report.pictures import standalone, write_pictures
+from study.report.pictures import pictures_of, standalone, write_pictures
 from study.report.readme import answer_in_markdown, put_answer
 from study.runs.lineup import Budget, make_cells, parse_specs
 from study.runs.runner import Task, execute
-from tests.helpers.recordings import some_results
 from tests.helpers.viewer import can_draw
 
 LARGEST = 300_000
@@ -49,6 +49,20 @@ def test_pictures_come_from_the_store_and_are_small(study_command: Command, case
     png = (tmp_path / "p" / "mini-viewer.png").read_bytes()
     assert len(png) < LARGEST
     assert Image.open(BytesIO(png)).width == 1400
+
+
+def test_where_the_viewer_cannot_draw_nothing_is_written(
+    study_command: Command, case_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> bytes:
+        raise StudyError("no viewer here")
+
+    monkeypatch.setattr(recording, "picture", refuse)
+    arguments = ["--cases", case_file, "--planners", "centre,direct,ruckig-stops", "--jobs", 1, "--evaluations", 50]
+    assert study_command("run", *arguments, "--no-report", "--out", tmp_path / "o").returncode == 0
+    refused = study_command("pictures", tmp_path / "p", "--case", "mini", "--out", tmp_path / "o")
+    assert (refused.returncode, refused.stderr) == (2, "study: no viewer here\n")
+    assert not (tmp_path / "p").exists()
 
 
 def test_mistakes_are_one_sentence(study_command: Command, case_file: Path, tmp_path: Path) -> None:
@@ -89,23 +103,21 @@ def test_the_pictures_of_the_readme_are_there() -> None:
     assert all(0 < (top / name).stat().st_size < LARGEST for name in shown)
 
 
-def test_where_nothing_can_be_drawn_nothing_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_few_results_and_a_folder_that_cannot_be_written_are_one_sentence(tmp_path: Path) -> None:
     case = load_case("woodworking")
 
-    def refuse(*_: object) -> bytes:
-        raise OSError(13, "no")
-
-    monkeypatch.setattr(recording, "picture", refuse)
-    with pytest.raises(OSError, match="no"):
-        write_pictures(case, some_results(case), 0, tmp_path / "a.rrd", tmp_path / "p")
-    assert not (tmp_path / "p").exists()
+    with pytest.raises(StudyError, match="too few results for pictures"):
+        pictures_of(summarise_case(case, []), 0)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(StudyError, match="pictures cannot be written"):
+        write_pictures(tmp_path / "file" / "p", "a", {"x.svg": b""})
 
 
 def test_the_answer_goes_between_the_marks_and_says_what_the_judge_says(tmp_path: Path) -> None:
     case = load_case("woodworking")
     specs = parse_specs("random-search:scaled,shared,casadi-nlp:scaled,shared,ruckig-stops")
     results = [execute(Task(cell, case.problem)) for cell in make_cells([case], specs, Budget(1, 100, 20.0))]
-    text = answer_in_markdown({case.name: case}, results)
+    text = answer_in_markdown([summarise_case(case, results)])
     head, ruler, row = text.splitlines()[-3:]
     assert head.count("|") == ruler.count("|") == row.count("|")
     assert "| 7.4756 s `casadi-nlp` |" in row  # the shared optimum of the paper's own curve

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from study.analysis.case_summary import summarise, summarise_case
 from study.cases.library import Case, load_case
 from study.errors import StudyError
 from study.problem import Problem
@@ -89,7 +90,7 @@ def material() -> tuple[dict[str, Case], list[Result]]:
 
 def _two_joints(case: Case) -> dict[str, np.ndarray]:
     limits = case.problem.limits
-    return {name: getattr(limits, name)[:2] for name in ("velocity", "acceleration", "jerk", "lower", "upper")}
+    return {field.name: getattr(limits, field.name)[:2] for field in fields(limits)}
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +98,7 @@ def report(material: tuple[dict[str, Case], list[Result]], tmp_path_factory: pyt
     out = tmp_path_factory.mktemp("study-output")
     (out / "recordings").mkdir()
     (out / "recordings" / "woodworking.rrd").write_bytes(b"")
-    return build_report(*material, out / "report", ENVIRONMENT).parent
+    return build_report(summarise(*material), out / "report", ENVIRONMENT).parent
 
 
 def pages(report: Path) -> Iterator[tuple[str, str, Page]]:
@@ -253,7 +254,7 @@ def test_commands_run_the_rows_again(report: Path) -> None:
 def test_a_command_says_where_an_own_case_is_and_how_long_its_planners_had(tiny_case: Case, tmp_path: Path) -> None:
     (cell,) = make_cells([tiny_case], [Spec("centre")], Budget(time_limit=7.0))
     result = execute(Task(cell, tiny_case.problem))
-    build_report({tiny_case.name: tiny_case}, [result], tmp_path, {}, sources={tiny_case.name: "my cases/tiny.yaml"})
+    build_report([summarise_case(tiny_case, [result])], tmp_path, {}, sources={tiny_case.name: "my cases/tiny.yaml"})
     shown = {row["method"]: row["command"] for row in read_csv(tmp_path / "tables" / "tiny-results.csv")}
     assert shown["centre"] == "study run --cases 'my cases/tiny.yaml' --planners centre --time-limit 7 --out again"
 
@@ -262,7 +263,7 @@ def test_an_own_case_is_not_said_to_have_a_paper(
     material: tuple[dict[str, Case], list[Result]], tmp_path: Path
 ) -> None:
     case = replace(material[0]["woodworking"], paper="own", published=(), notes=(), title="Mine")
-    build_report({case.name: case}, material[1], tmp_path, {})
+    build_report([summarise_case(case, material[1])], tmp_path, {})
     text = (tmp_path / "woodworking.html").read_text(encoding="utf-8")
     assert "Best of all searches and seeds" in text
     for words in ("paper's curve", "Curve of the paper", "The paper", "the paper's own", "Reproduced"):
@@ -282,28 +283,28 @@ def test_the_same_results_give_the_same_bytes(
 ) -> None:
     (tmp_path / "recordings").mkdir()
     (tmp_path / "recordings" / "woodworking.rrd").write_bytes(b"")
-    again = build_report(*material, tmp_path / "report", ENVIRONMENT).parent
+    again = build_report(summarise(*material), tmp_path / "report", ENVIRONMENT).parent
     first = {path.relative_to(report): path.read_bytes() for path in report.rglob("*") if path.is_file()}
     second = {path.relative_to(again): path.read_bytes() for path in again.rglob("*") if path.is_file()}
     assert first == second
 
 
 def test_without_results_there_is_still_a_page(tiny_case: Case, tmp_path: Path) -> None:
-    index = build_report({tiny_case.name: tiny_case}, [], tmp_path / "report", {})
+    index = build_report([summarise_case(tiny_case, [])], tmp_path / "report", {})
     assert "no results yet" in index.read_text(encoding="utf-8")
     assert "nothing to judge" in (index.parent / "tiny.html").read_text(encoding="utf-8")
 
 
 def test_cases_with_like_names_get_pages_of_their_own(tiny_case: Case, tmp_path: Path) -> None:
     cases = {name: replace(tiny_case, name=name) for name in ("a/b", "a b", "index", "../x")}
-    out = build_report(cases, [], tmp_path / "report", {}).parent
+    out = build_report(summarise(cases, []), tmp_path / "report", {}).parent
     assert len(list(out.glob("*.html"))) == len(cases) + 1
 
 
 def test_a_folder_that_cannot_be_written_is_one_sentence(tiny_case: Case, tmp_path: Path) -> None:
     (tmp_path / "report").write_text("a file stands here")
     with pytest.raises(StudyError, match=r"the report cannot be written to .*; choose another folder"):
-        build_report({tiny_case.name: tiny_case}, [], tmp_path / "report", {})
+        build_report([summarise_case(tiny_case, [])], tmp_path / "report", {})
 
 
 def test_flagged_searches_are_marked_in_every_table(
@@ -311,8 +312,7 @@ def test_flagged_searches_are_marked_in_every_table(
 ) -> None:
     cases, results = material
     cell = next(result.cell for result in results if result.motion is not None)
-    own = [result for result in results if result.cell.case == cell.case]
-    build_report({cell.case: cases[cell.case]}, own, tmp_path, {}, {cell.planner: "moves with the <optimum>"})
+    build_report([summarise_case(cases[cell.case], results)], tmp_path, {}, {cell.planner: "moves with the <optimum>"})
     (page,) = (path.read_text() for path in tmp_path.glob("*.html") if path.stem != "index")
     assert 'title="moves with the &lt;optimum&gt;">⚑' in page
     assert "The audit of <code>study compare</code>" in page

@@ -16,6 +16,7 @@ from urllib.request import url2pathname
 
 import pytest
 
+from study.analysis.case_summary import summarise
 from study.cases.library import load_case
 from study.comparison.build import compare
 from study.comparison.pages import write_pages
@@ -109,7 +110,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("out")
     found = compare({case.name: case}, TINY, out / "results.sqlite", jobs=1)
     write_pages(found, out / "report" / "comparison", {"Python": "3.x"})
-    return build_report(cases, results, out / "report", {"Python": "3.x"}).parent
+    return build_report(summarise(cases, results), out / "report", {"Python": "3.x"}).parent
 
 
 @pytest.fixture(scope="module")

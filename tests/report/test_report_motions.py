@@ -1,4 +1,4 @@
-"""What a row of the report leads to: its motion as a file, its recording and the command that makes it again."""
+"""Files that a row of the report leads to: its motion as a file, its recording and the command that makes it again."""
 
 from __future__ import annotations
 
@@ -9,16 +9,14 @@ from urllib.parse import unquote
 
 import numpy as np
 import pytest
-from study.analysis.rows import entries_of
-from study.report.motions import RATE, motion_files
 
-from study.analysis.featured import featured
-from study.cases.library import Case, load_case
+from study.analysis.case_summary import CaseSummary, summarise_case
+from study.cases.library import load_case
 from study.report.page import build_report
 from study.report.plot_style import HeadlineRow, Mark, crowded
+from study.report.tables import RATE, motion_files
 from study.runs.lineup import Budget, Spec, make_cells
 from study.runs.runner import Task, execute
-from study.store.results import Result
 
 
 class Links(HTMLParser):
@@ -35,7 +33,7 @@ class Links(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Case, list[Result], Path]:
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[CaseSummary, Path]:
     case = load_case("puma560")
     specs = [Spec("chaotic-spso", "scaled", "shared"), Spec("ruckig-stops"), Spec("toppra")]
     cells = make_cells([case], specs, Budget(seeds=2, evaluations=100))
@@ -43,40 +41,40 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Case, list[Result], 
     out = tmp_path_factory.mktemp("motions")
     (out / "recordings").mkdir()
     (out / "recordings" / "puma560.rrd").write_bytes(b"")
-    return case, results, build_report({case.name: case}, results, out / "report", {}).parent
+    summary = summarise_case(case, results)
+    return summary, build_report([summary], out / "report", {}).parent
 
 
-def test_every_motion_is_a_file_that_holds_it(made: tuple[Case, list[Result], Path]) -> None:
-    case, results, folder = made
-    entries = entries_of(case, results)
-    files = motion_files(entries)
+def test_every_motion_is_a_file_that_holds_it(made: tuple[CaseSummary, Path]) -> None:
+    summary, folder = made
+    files = motion_files(summary.methods)
     assert {"chaotic-spso:scaled,shared", "ruckig-stops", "published: RRT-SPSO"} < files.keys()
     assert {path.name for path in (folder / "tables" / "puma560").iterdir()} == set(files.values())
-    for entry in entries:
-        if entry.label in files and entry.row.joint is None:
-            assert entry.motion is not None
-            table = np.loadtxt(folder / "tables" / "puma560" / files[entry.label], delimiter=",", skiprows=1)
-            expected = [entry.motion(table[:, 0], order) for order in range(3)]
+    for method in summary.whole:
+        if method.label in files:
+            assert method.motion is not None
+            table = np.loadtxt(folder / "tables" / "puma560" / files[method.label], delimiter=",", skiprows=1)
+            expected = [method.motion(table[:, 0], order) for order in range(3)]
             np.testing.assert_array_equal(table[:, 1:], np.hstack(expected))  # to the last bit
-            assert table[-1, 0] == entry.motion.duration
+            assert table[-1, 0] == method.motion.duration
             assert np.diff(table[:-1, 0]) == pytest.approx(1 / RATE)
 
 
-def test_every_row_leads_to_its_motion_its_recording_and_its_command(made: tuple[Case, list[Result], Path]) -> None:
-    case, results, folder = made
+def test_every_row_leads_to_its_motion_its_recording_and_its_command(made: tuple[CaseSummary, Path]) -> None:
+    summary, folder = made
     text = (folder / "puma560.html").read_text(encoding="utf-8")
-    files = motion_files(entries_of(case, results))
+    files = motion_files(summary.methods)
     rows = re.findall(r'<th scope="row" data-value="([^"]*)">(.*?)</th>', text, re.DOTALL)
     assert {name for name, _ in rows} >= files.keys()
     for name, cell in rows:
         links = Links(cell).found
         assert links == ([f"tables/puma560/{files[name]}", "../recordings/puma560.rrd"] if name in files else [])
-        ran = any(result.cell.label == name for result in results)
+        ran = any(method.label == name and method.planner != "published" for method in summary.methods)
         assert (f"study run --cases puma560 --planners {name}" in cell) == ran
 
 
-def test_every_link_resolves(made: tuple[Case, list[Result], Path]) -> None:
-    folder = made[2]
+def test_every_link_resolves(made: tuple[CaseSummary, Path]) -> None:
+    folder = made[1]
     for page in folder.glob("*.html"):
         links = Links(page.read_text(encoding="utf-8")).found
         assert len(links) > 5
@@ -89,10 +87,10 @@ def test_every_link_resolves(made: tuple[Case, list[Result], Path]) -> None:
 
 
 def test_a_judged_total_is_featured_before_a_shorter_one_that_cannot_be_judged(
-    made: tuple[Case, list[Result], Path],
+    made: tuple[CaseSummary, Path],
 ) -> None:
-    case, results, folder = made
-    best = featured(entries_of(case, results))
+    summary, folder = made
+    best = summary.best
     assert best.published is not None
     assert (best.published.label, best.published.duration) == ("published: RRT-SPSO", pytest.approx(2.41665, abs=1e-9))
     assert best.fixed is None  # TOPP-RA needs acceleration limits

@@ -1,4 +1,4 @@
-"""What the report is put together from: wording, sentences, ladder, rows, figures."""
+"""Parts of the report: formatting, sentences, ladder, rows, figures."""
 
 from __future__ import annotations
 
@@ -8,39 +8,26 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from study.analysis.causes import causes_of
-from study.analysis.glossary import glossary
-from study.analysis.rows import Entry, entries_of, on_curve
 
-from study.analysis import formatting as wording
-from study.analysis.featured import Featured, featured
-from study.analysis.ladder import ladder_of
-from study.analysis.methods import CURVE, FIXED_PATH, FREE_PATH, Row
+from study.analysis import formatting
+from study.analysis.case_summary import CaseSummary, summarise_case
+from study.analysis.featured import featured
+from study.analysis.ladder import CauseKind, breakdown_of
+from study.analysis.methods import Kind, Standing, on_curve
 from study.analysis.sentences import answer, case_answer
 from study.cases.library import Case, case_names, load_case
 from study.cases.papers import paper_of
 from study.curves import CURVES
 from study.judge import judge
-from study.planning import RunSettings, Status
+from study.planning import Freedom, Status
 from study.problem import JointLimits, Problem
 from study.report.convergence import _on_grid, convergence_of
 from study.report.figures import convergence, headline, profile
 from study.report.plot_style import THEME, Convergence, HeadlineRow, Mark, Series, spaced_ticks, themed
-from study.runs.lineup import Budget, Spec, default_lineup, make_cells
+from study.runs.lineup import Budget, Spec, make_cells
 from study.runs.runner import Task, execute
-from study.store.results import Cell, Result
-
-
-def entry(kind: str, median: float, path: str = CURVE, best: float | None = None, label: str = "x") -> Entry:
-    best = median if best is None else best
-    row = Row("c", label, kind, path, 3, 3, best, median, 0.0, 1.0, 2000, 0.5, "")
-    return Entry(row, path, 1, 0.0, ())
-
-
-def picked(
-    search: Entry | None, optimiser: Entry | None, free: Entry | None = None, fixed: Entry | None = None
-) -> Featured:
-    return Featured(search, optimiser, free, fixed, None)
+from study.store.results import Result
+from tests.helpers.summaries import method_of, picked, run_of
 
 
 @pytest.mark.parametrize(
@@ -56,22 +43,22 @@ def picked(
     ],
 )
 def test_percent(value: float | None, text: str) -> None:
-    assert wording.percent(value) == text
+    assert formatting.percent(value) == text
 
 
 def test_a_small_excess_over_a_limit_is_never_rounded_away() -> None:
-    assert wording.share(1.00001) == "1.000010"
-    assert wording.share(1.0) == "1.0000"
-    assert wording.share(0.99999) == "1.0000"
-    assert wording.share(1.0711) == "1.0711"
+    assert formatting.share(1.00001) == "1.000010"
+    assert formatting.share(1.0) == "1.0000"
+    assert formatting.share(0.99999) == "1.0000"
+    assert formatting.share(1.0711) == "1.0711"
 
 
 def test_wall_times_and_counts() -> None:
-    assert (wording.wall(0.0188), wording.wall(2.5), wording.wall(123.4)) == ("18.8 ms", "2.5 s", "123 s")
-    assert wording.count(15000) == "15\u202f000"
-    assert wording.listed(["a", "b", "c"]) == "a, b and c"
-    assert wording.change(-0.4) == "−0.4000 s"
-    assert wording.change(1e-6) == "0 s"
+    assert (formatting.wall(0.0188), formatting.wall(2.5), formatting.wall(123.4)) == ("18.8 ms", "2.5 s", "123 s")
+    assert formatting.count(15000) == "15\u202f000"
+    assert formatting.listed(["a", "b", "c"]) == "a, b and c"
+    assert formatting.change(-0.4) == "−0.4000 s"
+    assert formatting.change(1e-6) == "0 s"
 
 
 @pytest.mark.parametrize(
@@ -83,14 +70,14 @@ def test_wall_times_and_counts() -> None:
     ],
 )
 def test_the_first_sentence_says_who_wins(median: float, best: float, lead: str, verdict: str) -> None:
-    (first, *_) = answer([picked(entry("search", median, best=best), entry("deterministic", 10.0))])
+    (first, *_) = answer([picked(method_of(Kind.SEARCH, median, best=best), method_of(Kind.DETERMINISTIC, 10.0))])
     assert first.startswith(lead)
     assert verdict in first
 
 
 def test_the_first_sentence_counts_cases() -> None:
-    plain = entry("deterministic", 10.0)
-    cases = [picked(entry("search", t), plain) for t in (10.5, 12.0, 10.0, 9.0)]
+    plain = method_of(Kind.DETERMINISTIC, 10.0)
+    cases = [picked(method_of(Kind.SEARCH, t), plain) for t in (10.5, 12.0, 10.0, 9.0)]
     first = answer(cases)[0]
     assert first.startswith("Sometimes:")
     assert "ahead in 1, level in 1 and behind in 2 of 4 cases" in first
@@ -98,18 +85,18 @@ def test_the_first_sentence_counts_cases() -> None:
 
 
 def test_the_third_sentence_blames_the_curve_only_where_it_costs_more_than_the_search() -> None:
-    search, plain = entry("search", 10.5), entry("deterministic", 10.0)
-    blamed = answer([picked(search, plain, free=entry("deterministic", 6.0, FREE_PATH))])[-1]
+    search, plain = method_of(Kind.SEARCH, 10.5), method_of(Kind.DETERMINISTIC, 10.0)
+    blamed = answer([picked(search, plain, free=method_of(Kind.DETERMINISTIC, 6.0, Freedom.FREE))])[-1]
     assert blamed.startswith("What costs time is the curve, not the search: against")
     assert "40.0\u00a0% less time with the path between the waypoints free (1 case)" in blamed
-    spared = answer([picked(search, plain, free=entry("deterministic", 9.9, FREE_PATH))])[-1]
+    spared = answer([picked(search, plain, free=method_of(Kind.DETERMINISTIC, 9.9, Freedom.FREE))])[-1]
     assert spared.startswith("As for the curve, against the optimum")
-    both = [picked(search, plain, free=entry("deterministic", time, FREE_PATH)) for time in (6.0, 9.9)]
+    both = [picked(search, plain, free=method_of(Kind.DETERMINISTIC, time, Freedom.FREE)) for time in (6.0, 9.9)]
     assert answer(both)[-1].startswith("What costs time in 1 of 2 cases is the curve, not the search: against")
 
 
 def test_the_papers_budget_is_said_where_it_is_another() -> None:
-    best = picked(entry("search", 10.1), entry("deterministic", 10.0))
+    best = picked(method_of(Kind.SEARCH, 10.1), method_of(Kind.DETERMINISTIC, 10.0))
     assert "the paper's own budget is 15\u202f000" in case_answer(best, [15000])[1]
     assert "the papers' own budget is 2\u202f000 to 15\u202f000" in answer([best, best], [2000, 15000])[1]
     assert "budget" not in answer([best], [2000])[1]
@@ -117,8 +104,11 @@ def test_the_papers_budget_is_said_where_it_is_another() -> None:
 
 
 def test_the_answer_of_one_case_names_methods_and_times() -> None:
-    search, plain = entry("search", 10.1, best=9.9, label="swarm"), entry("deterministic", 10.0, label="plain")
-    best = picked(search, plain, fixed=entry("deterministic", 8.0, FIXED_PATH, label="along"))
+    search, plain = (
+        method_of(Kind.SEARCH, 10.1, best=9.9, label="swarm"),
+        method_of(Kind.DETERMINISTIC, 10.0, label="plain"),
+    )
+    best = picked(search, plain, fixed=method_of(Kind.DETERMINISTIC, 8.0, Freedom.PATH, label="along"))
     first, _, last = case_answer(best)
     assert first.startswith(
         "Yes: on the same curve the best metaheuristic (`swarm`) takes 10.1000\u00a0s and the deterministic `plain`"
@@ -132,18 +122,18 @@ def test_the_answer_of_one_case_names_methods_and_times() -> None:
 
 
 def test_one_seed_has_no_median() -> None:
-    search = entry("search", 10.1)
-    best = picked(replace(search, row=replace(search.row, runs=1, feasible_runs=1)), entry("deterministic", 10.0))
+    search = method_of(Kind.SEARCH, 10.1)
+    best = picked(replace(search, results=search.results[:1]), method_of(Kind.DETERMINISTIC, 10.0))
     assert answer([best])[0].endswith("1.00\u00a0% more time (one seed).")
     assert case_answer(best)[0].endswith("1.00\u00a0% more time (one seed).")
 
 
 def test_without_a_pair_to_compare_there_is_no_sentence() -> None:
-    assert answer([picked(None, entry("deterministic", 10.0)), picked(None, None)]) == ()
+    assert answer([picked(None, method_of(Kind.DETERMINISTIC, 10.0)), picked(None, None)]) == ()
 
 
 @pytest.fixture(scope="module")
-def wood() -> tuple[Case, tuple[Entry, ...]]:
+def wood() -> CaseSummary:
     case = load_case("woodworking")
     specs = [
         Spec("golds-pso"),
@@ -154,46 +144,55 @@ def wood() -> tuple[Case, tuple[Entry, ...]]:
         Spec("toppra"),
     ]
     cells = make_cells([case], specs, Budget(seeds=3, evaluations=600))
-    return case, entries_of(case, [execute(Task(cell, case.problem)) for cell in cells])
+    return summarise_case(case, [execute(Task(cell, case.problem)) for cell in cells])
 
 
-def test_every_method_is_labelled_with_its_freedom(wood: tuple[Case, tuple[Entry, ...]]) -> None:
-    paths = {one.label: one.path for one in wood[1]}
-    assert paths["direct"] == paths["pso:scaled,shared"] == CURVE
-    assert paths["toppra"] == FIXED_PATH
-    assert paths["ruckig-stops"] == FREE_PATH
+def runs_of(summary: CaseSummary) -> list[Result]:
+    return [run for method in summary.methods if method.kind is not Kind.PUBLISHED for run in method.results]
 
 
-def test_gaps_compare_like_with_like(wood: tuple[Case, tuple[Entry, ...]]) -> None:
-    for path in (CURVE, FIXED_PATH, FREE_PATH):
-        gaps = [one.gap for one in wood[1] if one.path == path and one.gap is not None]
-        assert min(gaps) >= 0
-    assert {one.label: one.gap for one in wood[1]}["ruckig-stops"] == 0.0
+def bound_run() -> Result:
+    made = run_of("bound", None, details={"lower_bound": 3.0}, evaluations=0)
+    return replace(made, cell=replace(made.cell, case="woodworking"))
 
 
-def test_whether_a_motion_keeps_the_curve_is_measured(wood: tuple[Case, tuple[Entry, ...]]) -> None:
-    case, entries = wood
-    kept = {
-        one.label: on_curve(case.problem, case.curve, one.motion)
-        for one in entries
-        if one.motion and one.row.joint is None
-    }
+def test_every_method_is_labelled_with_its_freedom(wood: CaseSummary) -> None:
+    paths = {method.label: method.freedom for method in wood.methods}
+    assert paths["direct"] == paths["pso:scaled,shared"] == Freedom.CURVE
+    assert paths["toppra"] == Freedom.PATH
+    assert paths["ruckig-stops"] == Freedom.FREE
+
+
+def test_gaps_compare_like_with_like(wood: CaseSummary) -> None:
+    for freedom in Freedom:
+        kin = [m.behind_same_kind for m in wood.methods if m.freedom is freedom and m.behind_same_kind is not None]
+        assert min(kin) >= 0
+    assert {method.label: method.behind_same_kind for method in wood.methods}["ruckig-stops"] == 0.0
+    fastest = min(method.best for method in wood.methods if method.best and method.joint is None)
+    for method in wood.methods:
+        assert (method.gap is None) == (method.median is None or method.joint is not None)
+        assert method.gap is None or method.gap == pytest.approx(method.median / fastest - 1)
+
+
+def test_whether_a_motion_keeps_the_curve_is_measured(wood: CaseSummary) -> None:
+    case = wood.case
+    kept = {m.label: on_curve(case.problem, case.curve, m.motion) for m in wood.whole if m.motion}
     assert kept["direct"]
     assert kept["published: GoldS-PSO"]
     assert not kept["toppra"]
     assert not kept["ruckig-stops"]
 
 
-def test_a_strangers_planner_off_the_curve_counts_as_free_path(wood: tuple[Case, tuple[Entry, ...]]) -> None:
-    case, entries = wood
-    borrowed = next(one.results[0] for one in entries if one.label == "ruckig-stops")
+def test_a_strangers_planner_off_the_curve_counts_as_free_path(wood: CaseSummary) -> None:
+    borrowed = next(method.results[0] for method in wood.methods if method.label == "ruckig-stops")
     renamed = replace(borrowed, cell=replace(borrowed.cell, planner="stranger", label="stranger"))
-    (found,) = [one for one in entries_of(case, [renamed]) if one.label == "stranger"]
-    assert found.path == FREE_PATH
+    (stranger,) = [method for method in summarise_case(wood.case, [renamed]).methods if method.label == "stranger"]
+    assert stranger.freedom is Freedom.FREE
+    assert stranger.about == ""
 
 
-def test_the_featured_are_the_best_of_their_kind(wood: tuple[Case, tuple[Entry, ...]]) -> None:
-    best = featured(wood[1])
+def test_the_featured_are_the_best_of_their_kind(wood: CaseSummary) -> None:
+    best = wood.best
     assert best.optimiser is not None
     assert best.optimiser.label == "direct"
     assert best.published is not None
@@ -203,27 +202,22 @@ def test_the_featured_are_the_best_of_their_kind(wood: tuple[Case, tuple[Entry, 
 
 
 def test_local_descent_is_no_metaheuristic() -> None:
-    descent = entry("search", 1.0, label="lbfgsb")
-    cell = Cell("c", "lbfgsb", "lbfgsb", RunSettings("poly353"))
-    result = Result(cell, Status.FINISHED, "", None, None, None, 1, 1, np.empty((0, 2)), {}, 0.1)
-    descent = replace(descent, row=replace(descent.row, representative=result))
-    swarm = entry("search", 2.0, label="swarm")
+    descent = method_of(Kind.SEARCH, 1.0, label="lbfgsb")
+    swarm = method_of(Kind.SEARCH, 2.0, label="swarm")
     assert featured([descent, swarm]).search is swarm
 
 
 def test_level_optimisers_are_told_apart_by_their_computing() -> None:
-    slow, quick = entry("deterministic", 5.0), entry("deterministic", 5.00001)
-    quick = replace(quick, row=replace(quick.row, evaluations=10))
+    slow, quick = method_of(Kind.DETERMINISTIC, 5.0), method_of(Kind.DETERMINISTIC, 5.00001, evaluations=10)
     assert featured([slow, quick]).optimiser is quick
-    hasty = replace(slow, row=replace(slow.row, wall_time=1e-6, label="z"))
+    hasty = method_of(Kind.DETERMINISTIC, 5.0, label="z", wall_time=1e-6)
     for wall in (1e-9, 1.0):  # which of two is named must not differ from run to run
-        first = replace(slow, row=replace(slow.row, wall_time=wall, label="a"))
+        first = method_of(Kind.DETERMINISTIC, 5.0, label="a", wall_time=wall)
         assert featured([hasty, first]).optimiser is first
 
 
-def test_the_ladder_of_woodworking(wood: tuple[Case, tuple[Entry, ...]]) -> None:
-    case, entries = wood
-    rungs = ladder_of(case, entries, featured(entries))
+def test_the_ladder_of_woodworking(wood: CaseSummary) -> None:
+    rungs = wood.rungs
     assert rungs[0].seconds == pytest.approx(7.8776)
     assert rungs[0].change is None
     by_method = {rung.method: rung for rung in rungs}
@@ -231,43 +225,37 @@ def test_the_ladder_of_woodworking(wood: tuple[Case, tuple[Entry, ...]]) -> None
     assert optimum.seconds == pytest.approx(7.47562, abs=2e-3)
     for method in ("toppra", "ruckig-stops"):
         assert by_method[method].change == pytest.approx(by_method[method].seconds - optimum.seconds)
-        assert by_method[method].path in (FIXED_PATH, FREE_PATH)
-    on_the_curve = [rung for rung in rungs if rung.path == CURVE]
+        assert by_method[method].freedom in (Freedom.PATH, Freedom.FREE)
+    on_the_curve = [rung for rung in rungs if rung.freedom is Freedom.CURVE]
     for above, below in pairwise(on_the_curve):
         assert below.change == pytest.approx(below.seconds - above.seconds)
         assert below.relative == pytest.approx(below.seconds / above.seconds - 1)
 
 
-def test_causes_lead_from_the_first_result_to_the_optimum(wood: tuple[Case, tuple[Entry, ...]]) -> None:
-    case, entries = wood
-    rungs = ladder_of(case, entries, featured(entries))
-    causes = causes_of(rungs)
+def test_causes_lead_from_the_first_result_to_the_optimum(wood: CaseSummary) -> None:
+    rungs = wood.rungs
+    causes = breakdown_of(rungs)
     assert causes is not None
     assert causes.first.seconds + (causes.optimiser or 0.0) + (causes.rule or 0.0) == pytest.approx(causes.last.seconds)
     assert causes.fixed == next(rung.change for rung in rungs if rung.method == "toppra")
     assert causes.free == next(rung.change for rung in rungs if rung.method == "ruckig-stops")
     assert causes.bound is None
-    assert causes_of(rungs[:1]) is None
+    assert breakdown_of(rungs[:1]) is None
 
 
-def test_every_planner_of_the_default_line_up_is_explained() -> None:
-    names = {spec.planner for spec in default_lineup()}
-    assert set(glossary(names)) == names
-    assert "exactly as printed" in glossary(["ssa-as-printed"])["ssa-as-printed"]
-    assert glossary(["a stranger's"]) == {}
+def test_time_is_summed_by_kind_and_not_by_what_a_sentence_begins_with(wood: CaseSummary) -> None:
+    renamed = [replace(rung, text="another sentence") for rung in wood.rungs]
+    assert breakdown_of(renamed).optimiser == breakdown_of(wood.rungs).optimiser  # type: ignore[union-attr]
+    relabelled = [replace(rung, kind=CauseKind.PATH) for rung in wood.rungs]
+    assert breakdown_of(relabelled).optimiser is None  # type: ignore[union-attr]
 
 
 def test_backticks_become_code_and_nothing_else_does() -> None:
-    assert wording.coded("`a<b>` & `c`") == "<code>a&lt;b&gt;</code> &amp; <code>c</code>"
+    assert formatting.coded("`a<b>` & `c`") == "<code>a&lt;b&gt;</code> &amp; <code>c</code>"
 
 
-def test_a_lower_bound_ends_the_ladder(wood: tuple[Case, tuple[Entry, ...]]) -> None:
-    case, entries = wood
-    cell = Cell(case.name, "bound", "bound", RunSettings("poly353"))
-    bound = Result(cell, Status.FINISHED, "", None, None, None, 0, 0, np.empty((0, 2)), {"lower_bound": 3.0}, 0.1)
-    results = [one for entry in entries for one in entry.results]
-    with_bound = entries_of(case, [*results, bound])
-    last = ladder_of(case, with_bound, featured(with_bound))[-1]
+def test_a_lower_bound_ends_the_ladder(wood: CaseSummary) -> None:
+    last = summarise_case(wood.case, [*runs_of(wood), bound_run()]).rungs[-1]
     assert (last.name, last.seconds, last.method) == ("Lower bound", 3.0, "bound")
     assert last.change is not None
     assert last.change < 0
@@ -275,17 +263,16 @@ def test_a_lower_bound_ends_the_ladder(wood: tuple[Case, tuple[Entry, ...]]) -> 
 
 def test_no_ladder_of_one_rung(tiny_case: Case) -> None:
     alone = replace(tiny_case, published=tiny_case.published[:1])
-    entries = entries_of(alone, [])
-    assert ladder_of(alone, entries, featured(entries)) == ()
+    assert summarise_case(alone, []).rungs == ()
 
 
-def test_penalised_candidates_do_not_converge(wood: tuple[Case, tuple[Entry, ...]]) -> None:
-    case, entries = wood
-    result = next(one for one in entries if one.label == "golds-pso").results[0]
+def test_penalised_candidates_do_not_converge(wood: CaseSummary) -> None:
+    case = wood.case
+    result = next(method for method in wood.methods if method.label == "golds-pso").results[0]
     ceiling = case.problem.n_segments * case.problem.duration_bounds[1]
     fake = replace(result, history=np.array([[50, ceiling + 3.0], [100, 9.0], [150, 8.0]]))
     np.testing.assert_array_equal(_on_grid(case, fake, np.array([10, 50, 99, 100, 400.0])), [np.inf] * 3 + [9.0, 8.0])
-    part = convergence_of(case, entries, featured(entries), {"wide": 720.0})
+    part = convergence_of(wood, {"wide": 720.0})
     assert part is not None
     assert part.legend[0] == (0, case.planner)
 
@@ -344,41 +331,39 @@ def test_all_default_cases_have_a_paper() -> None:
 
 
 def test_an_infeasible_featured_row_is_marked(tiny_case: Case) -> None:
-    entries = entries_of(tiny_case, [])
-    best = featured(entries).published
+    best = summarise_case(tiny_case, []).best.published
     assert best is not None
     assert best.duration == pytest.approx(0.3)
-    assert not best.row.feasible
+    assert not best.feasible
     assert best.motion is not None
     assert not judge(tiny_case.problem, best.motion).feasible
 
 
-def test_a_bound_is_neither_feasible_nor_infeasible(wood: tuple[Case, tuple[Entry, ...]]) -> None:
-    case, entries = wood
-    cell = Cell(case.name, "bound", "bound", RunSettings("poly353"))
-    bound = Result(cell, Status.FINISHED, "", None, None, None, 0, 0, np.empty((0, 2)), {"lower_bound": 3.0}, 0.1)
-    refused = replace(bound, cell=replace(cell, label="refused"), status=Status.NOT_APPLICABLE, details={})
-    results = [one for entry in entries for one in entry.results]
-    standing = {one.label: one for one in entries_of(case, [*results, bound, refused])}
-    assert standing["bound"].standing == "bound"
-    assert standing["refused"].standing == "inapplicable"
-    assert standing["direct"].gap_to_bound == pytest.approx(standing["direct"].row.median / 3.0 - 1.0)
-    assert all(one.gap_to_bound is None for one in entries)
+def test_a_bound_is_neither_feasible_nor_infeasible(wood: CaseSummary) -> None:
+    bound = bound_run()
+    refused = replace(bound, cell=replace(bound.cell, label="refused"), status=Status.NOT_APPLICABLE, details={})
+    methods = {m.label: m for m in summarise_case(wood.case, [*runs_of(wood), bound, refused]).methods}
+    assert (methods["bound"].standing, methods["bound"].kind) == (Standing.BOUND, Kind.BOUND)
+    assert methods["refused"].standing is Standing.INAPPLICABLE
+    assert methods["direct"].above_bound == pytest.approx(methods["direct"].median / 3.0 - 1.0)
+    assert all(method.above_bound is None for method in wood.methods)
 
 
 def test_without_acceleration_limits_a_free_path_is_no_opponent() -> None:
-    search, plain, free = entry("search", 10.5), entry("deterministic", 10.0), entry("deterministic", 3.0, FREE_PATH)
-    fair = picked(search, plain, free=entry("deterministic", 8.0, FREE_PATH))
+    search, plain, free = (
+        method_of(Kind.SEARCH, 10.5),
+        method_of(Kind.DETERMINISTIC, 10.0),
+        method_of(Kind.DETERMINISTIC, 3.0, Freedom.FREE),
+    )
+    fair = picked(search, plain, free=method_of(Kind.DETERMINISTIC, 8.0, Freedom.FREE))
     unfair = replace(picked(search, plain, free=free), velocity_only=True)
     last = answer([fair, unfair])[-1]
     assert "20.0\u00a0% less time with the path between the waypoints free (1 case; 1 case without" in last
     assert last.endswith("without acceleration limits not counted).")
 
 
-def test_level_free_paths_share_a_rung(wood: tuple[Case, tuple[Entry, ...]]) -> None:
-    case, entries = wood
-    stops = next(one.results[0] for one in entries if one.label == "ruckig-stops")
+def test_level_free_paths_share_a_rung(wood: CaseSummary) -> None:
+    stops = next(method.results[0] for method in wood.methods if method.label == "ruckig-stops")
     twin = replace(stops, cell=replace(stops.cell, label="twin", planner="twin"))
-    both = entries_of(case, [*(one for entry in entries for one in entry.results), twin])
-    methods = [rung.method for rung in ladder_of(case, both, featured(both))]
-    assert "ruckig-stops, twin" in methods
+    rungs = summarise_case(wood.case, [*runs_of(wood), twin]).rungs
+    assert "ruckig-stops, twin" in [rung.method for rung in rungs]
