@@ -1,4 +1,4 @@
-"""Which code a result came from: a checksum over the source files that can change what a planner answers.
+"""Checksum of the code behind a result: of the source files that can change the answer of a planner.
 
 The files are the planner's own module and whatever it imports, directly or not, from the same package, this one or the
 baselines, and the judge with what it imports. The imports are read from the text and nothing is run, so one edited file

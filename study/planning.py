@@ -179,7 +179,7 @@ class Planner(Protocol):
 
     @property
     def stochastic(self) -> bool:
-        """Whether the seed matters, so that the runner repeats it."""
+        """True if the seed matters, so that the runner repeats the planner."""
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Plan a motion; failures come back as a status with a message, not as an exception."""

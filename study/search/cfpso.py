@@ -12,10 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.errors import StudyError
-from study.problem import Floats
 from study.search.batched_rng import Rng
-from study.search.pso import SwarmState, VelocityUpdate, moved_swarm, swarm_at_rest
-from study.search.state import BatchedSearch, Box, uniform_population
+from study.search.pso import Swarm, SwarmState, VelocityUpdate, moved_swarm
 
 VELOCITY = VelocityUpdate(clamp=0.5)
 
@@ -26,7 +24,7 @@ def constriction(phi: float) -> float:
 
 
 @dataclass(frozen=True)
-class CFPSO(BatchedSearch[SwarmState]):
+class CFPSO(Swarm):
     """Particle swarm whose whole velocity is multiplied by the constriction factor.
 
     Attributes
@@ -58,16 +56,8 @@ class CFPSO(BatchedSearch[SwarmState]):
                 "2.05 each is usual"
             )
 
-    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
-        """Spread particles uniformly, at rest."""
-        return swarm_at_rest(box, uniform_population(box, population, rng), generations)
-
     def ask(self, state: SwarmState, rng: Rng) -> SwarmState:
         """Move every particle."""
         chi = constriction(self.cognitive + self.social)
         pull = 1.0 if self.inertia_only else chi
         return moved_swarm(state, rng, (chi, pull * self.cognitive, pull * self.social), self.velocity)
-
-    def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
-        """Remember what was better."""
-        return state.remembered(values)

@@ -16,18 +16,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.choices import convert
-from study.problem import Floats
 from study.search.batched_rng import Rng
 from study.search.chaos import MAPS, chaotic_population
-from study.search.pso import Scalars, SwarmState, VelocityUpdate, linear, moved_swarm, swarm_at_rest
+from study.search.pso import Scalars, Swarm, SwarmState, VelocityUpdate, linear, moved_swarm, swarm_at_rest
 from study.search.reading import PaperReading
-from study.search.state import BatchedSearch, Box, uniform_population
+from study.search.state import Box, uniform_population
 
 VELOCITY = VelocityUpdate()
 
 
 @dataclass(frozen=True)
-class ChaoticSPSO(BatchedSearch[SwarmState]):
+class ChaoticSPSO(Swarm):
     """Particle swarm with three switchable novelties.
 
     Attributes
@@ -97,7 +96,3 @@ class ChaoticSPSO(BatchedSearch[SwarmState]):
         if self.asynchronous:
             c1, c2 = linear(self.cognitive, state.progress), linear(self.social, state.progress)
         return moved_swarm(state, rng, (w, c1, c2), self.velocity)
-
-    def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
-        """Remember what was better."""
-        return state.remembered(values)

@@ -15,17 +15,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.choices import convert
-from study.problem import Floats
 from study.search.batched_rng import Rng
-from study.search.pso import ClampUnit, SwarmState, VelocityUpdate, linear, moved_swarm, new_swarm
+from study.search.pso import ClampUnit, Swarm, SwarmState, VelocityUpdate, linear, moved_swarm, new_swarm
 from study.search.reading import PaperReading
-from study.search.state import BatchedSearch, Box
+from study.search.state import Box
 
 VELOCITY = VelocityUpdate(clamp=4.0, unit=ClampUnit.ABSOLUTE)  # Section 4.3
 
 
 @dataclass(frozen=True)
-class DynamicAdaptivePSO(BatchedSearch[SwarmState]):
+class DynamicAdaptivePSO(Swarm):
     """Particle swarm with scheduled inertia and learning factors.
 
     Attributes
@@ -80,7 +79,3 @@ class DynamicAdaptivePSO(BatchedSearch[SwarmState]):
     def ask(self, state: SwarmState, rng: Rng) -> SwarmState:
         """Move every particle, Eq. (11)."""
         return moved_swarm(state, rng, self.weights(state), self.velocity)
-
-    def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
-        """Remember what was better."""
-        return state.remembered(values)

@@ -10,6 +10,7 @@ import numpy as np
 
 from study.errors import StudyError
 from study.problem import Floats
+from study.search.batched_rng import Rng
 from study.search.state import Box, State, evolved, uniform_population
 
 
@@ -66,6 +67,18 @@ def new_population(box: Box, positions: Floats, generations: int) -> PopulationS
 def spread_population(box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
     """State of a population spread uniformly over the box."""
     return new_population(box, uniform_population(box, population, rng), generations)
+
+
+class Generational:
+    """Search that starts uniformly and replaces its whole population in every generation."""
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
+        """Spread members uniformly."""
+        return spread_population(box, population, generations, rng)
+
+    def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
+        """Take the new positions, better or not."""
+        return state.replaced(values)
 
 
 def normalised_fitness(values: Floats) -> Floats:

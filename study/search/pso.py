@@ -152,8 +152,20 @@ def moved_swarm(state: SwarmState, rng: Rng, weights: Weights, velocity: Velocit
     return evolved(state, candidates=x, velocities=v)
 
 
+class Swarm(BatchedSearch[SwarmState]):
+    """Swarm search whose particles start uniformly, at rest, and remember their own best positions."""
+
+    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
+        """Spread particles uniformly, at rest."""
+        return swarm_at_rest(box, uniform_population(box, population, rng), generations)
+
+    def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
+        """Remember what was better."""
+        return state.remembered(values)
+
+
 @dataclass(frozen=True)
-class PSO(BatchedSearch[SwarmState]):
+class PSO(Swarm):
     """Particle swarm with linear inertia and constant learning factors.
 
     The defaults are the textbook's; no paper prints a complete set. The papers' basic PSO keeps the inertia at 1.
@@ -173,15 +185,7 @@ class PSO(BatchedSearch[SwarmState]):
     social: float = 2.0
     velocity: VelocityUpdate = VelocityUpdate()
 
-    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
-        """Spread particles uniformly, at rest."""
-        return swarm_at_rest(box, uniform_population(box, population, rng), generations)
-
     def ask(self, state: SwarmState, rng: Rng) -> SwarmState:
         """Move every particle."""
         w = linear(self.inertia, state.progress)
         return moved_swarm(state, rng, (w, self.cognitive, self.social), self.velocity)
-
-    def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
-        """Remember what was better."""
-        return state.remembered(values)

@@ -15,12 +15,12 @@ import numpy as np
 from study.problem import Floats
 from study.search.batched_rng import Rng
 from study.search.bounds import BoundsRule, bounded_positions
-from study.search.population import PopulationState, spread_population
-from study.search.state import BatchedSearch, Box, evolved
+from study.search.population import Generational, PopulationState
+from study.search.state import BatchedSearch, evolved
 
 
 @dataclass(frozen=True)
-class SCA(BatchedSearch[PopulationState]):
+class SCA(Generational, BatchedSearch[PopulationState]):
     """Sine cosine algorithm: members swing around the incumbent by a sine or a cosine of falling amplitude.
 
     Attributes
@@ -33,10 +33,6 @@ class SCA(BatchedSearch[PopulationState]):
 
     amplitude: float = 2.0
     bounds: BoundsRule = BoundsRule.CLIP
-
-    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
-        """Spread members uniformly."""
-        return spread_population(box, population, generations, rng)
 
     def ask(self, state: PopulationState, rng: Rng) -> PopulationState:
         """Move every member."""
@@ -57,7 +53,3 @@ class SCA(BatchedSearch[PopulationState]):
         """
         x = state.members
         return bounded_positions(self.bounds, state.box, x + swing * np.abs(r3 * (2.0 * state.incumbent) - x))
-
-    def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
-        """Take the new positions, better or not."""
-        return state.replaced(values)

@@ -13,13 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeVar
 
-import numpy as np
-
-from study.problem import Floats
 from study.search.batched_rng import Rng
 from study.search.bounds import BoundsRule, bounded_positions
-from study.search.pso import SwarmState, linear, swarm_at_rest
-from study.search.state import BatchedSearch, Box, evolved, uniform_population
+from study.search.pso import Swarm, SwarmState, linear
+from study.search.state import evolved
 
 W = TypeVar("W", bound=SwarmState)
 
@@ -34,7 +31,7 @@ def contracted(state: W, rng: Rng, weights: tuple[float, float, float], bounds: 
 
 
 @dataclass(frozen=True)
-class SimplePSO(BatchedSearch[SwarmState]):
+class SimplePSO(Swarm):
     """Swarm without velocities.
 
     Attributes
@@ -53,15 +50,7 @@ class SimplePSO(BatchedSearch[SwarmState]):
     social: float = 2.0
     bounds: BoundsRule = BoundsRule.CLIP
 
-    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
-        """Spread particles uniformly."""
-        return swarm_at_rest(box, uniform_population(box, population, rng), generations)
-
     def ask(self, state: SwarmState, rng: Rng) -> SwarmState:
         """Move every particle."""
         weights = linear(self.inertia, state.progress), self.cognitive, self.social
         return contracted(state, rng, weights, self.bounds)
-
-    def tell(self, state: SwarmState, values: Floats, rng: Rng) -> SwarmState:
-        """Remember what was better."""
-        return state.remembered(values)

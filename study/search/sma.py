@@ -15,7 +15,7 @@ import numpy as np
 from study.choices import Choice, convert
 from study.problem import Floats
 from study.search.bounds import BoundsRule, bounded_positions
-from study.search.population import PopulationState, check_share, normalised_fitness, spread_population
+from study.search.population import Generational, PopulationState, check_share, normalised_fitness
 from study.search.reading import PaperReading
 from study.search.state import Box, evolved
 
@@ -31,7 +31,7 @@ class Restart(Choice):
 
 
 @dataclass(frozen=True)
-class SMA:
+class SMA(Generational):
     """Slime mould algorithm: members approach the incumbent by the difference of two others, shrink, or restart.
 
     Attributes
@@ -62,10 +62,6 @@ class SMA:
         convert(self, reading=PaperReading, restart=Restart)
         check_share("SMA", "restart_share", self.restart_share)
 
-    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
-        """Spread members uniformly."""
-        return spread_population(box, population, generations, rng)
-
     def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
         """Move every member by Eq. (8)."""
         x, x_b = state.members, state.incumbent
@@ -79,10 +75,6 @@ class SMA:
         moved = np.where(nears, x_b + v_b * (w * x_a - x_c), v_c * x)  # eq. (8), second and third line
         moved = restarted(moved, state.box, rng, self.restart_share, self._restart())  # eq. (8), first line
         return evolved(state, candidates=bounded_positions(self.bounds, state.box, moved))
-
-    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
-        """Take the new positions, better or not."""
-        return state.replaced(values)
 
     def _restart(self) -> Restart:
         return Restart.SAME_NUMBER if self.reading is PaperReading.AS_PRINTED else self.restart

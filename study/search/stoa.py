@@ -12,15 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from study.problem import Floats
 from study.search.batched_rng import Rng
 from study.search.bounds import BoundsRule, bounded_positions
-from study.search.population import PopulationState, spread_population
-from study.search.state import BatchedSearch, Box, evolved
+from study.search.population import Generational, PopulationState
+from study.search.state import BatchedSearch, evolved
 
 
 @dataclass(frozen=True)
-class STOA(BatchedSearch[PopulationState]):
+class STOA(Generational, BatchedSearch[PopulationState]):
     """Sooty tern optimisation: terns shrink their position, drift towards the incumbent and spiral around it.
 
     Attributes
@@ -37,10 +36,6 @@ class STOA(BatchedSearch[PopulationState]):
     spiral: float = 1.0
     bounds: BoundsRule = BoundsRule.CLIP
 
-    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
-        """Spread terns uniformly."""
-        return spread_population(box, population, generations, rng)
-
     def ask(self, state: PopulationState, rng: Rng) -> PopulationState:
         """Move every tern; its distance from the spiral's centre contains its own position, a pull to the origin."""
         x, best = state.members, state.incumbent
@@ -50,7 +45,3 @@ class STOA(BatchedSearch[PopulationState]):
         distance = sa * x + drift * (best - x)
         moved = distance * np.exp(self.spiral * turn) * np.cos(2.0 * np.pi * turn) + best
         return evolved(state, candidates=bounded_positions(self.bounds, state.box, moved))
-
-    def tell(self, state: PopulationState, values: Floats, rng: Rng) -> PopulationState:
-        """Take the new positions, better or not."""
-        return state.replaced(values)

@@ -15,8 +15,8 @@ import numpy as np
 from study.choices import Choice, convert
 from study.problem import Floats
 from study.search.bounds import BoundsRule, bounded_positions
-from study.search.population import PopulationState, spread_population
-from study.search.state import Box, evolved
+from study.search.population import Generational, PopulationState
+from study.search.state import evolved
 
 
 class Draws(Choice):
@@ -27,7 +27,7 @@ class Draws(Choice):
 
 
 @dataclass(frozen=True)
-class WOA:
+class WOA(Generational):
     """Whale optimisation: whales encircle the incumbent, spiral towards it, or follow a random whale.
 
     Attributes
@@ -57,10 +57,6 @@ class WOA:
     def __post_init__(self) -> None:
         convert(self, coefficients=Draws, leader=Draws)
 
-    def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:
-        """Spread whales uniformly."""
-        return spread_population(box, population, generations, rng)
-
     def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
         """Move every whale."""
         draws = WhaleDraws.of(self, state, rng)
@@ -72,10 +68,6 @@ class WOA:
 
         moved = whale_moves(draws, a, (best, r), (around(best), np.abs(best - x), around(r)), self.spiral)
         return evolved(state, candidates=bounded_positions(self.bounds, state.box, moved))
-
-    def tell(self, state: PopulationState, values: Floats, rng: np.random.Generator) -> PopulationState:
-        """Take the new positions, better or not."""
-        return state.replaced(values)
 
 
 class WhaleDraws(NamedTuple):
