@@ -1,11 +1,32 @@
 """Do metaheuristic time-optimal trajectory planners beat plain deterministic ones, and by how much?"""
 
-from study.api import Comparison, Planned, compare, plan
-from study.errors import StudyError
-from study.judge import Verdict, judge
-from study.planning import RunSettings
-from study.problem import EndCondition, JointLimits, Problem
-from study.trajectory import Motion, Trajectory
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from study.api import Comparison, Planned, compare, plan
+    from study.errors import StudyError
+    from study.judge import Verdict, judge
+    from study.planning import RunSettings
+    from study.problem import EndCondition, JointLimits, Problem
+    from study.trajectory import Motion, Trajectory
+
+_HOMES = {
+    "Comparison": "study.api",
+    "EndCondition": "study.problem",
+    "JointLimits": "study.problem",
+    "Motion": "study.trajectory",
+    "Planned": "study.api",
+    "Problem": "study.problem",
+    "RunSettings": "study.planning",
+    "StudyError": "study.errors",
+    "Trajectory": "study.trajectory",
+    "Verdict": "study.judge",
+    "compare": "study.api",
+    "judge": "study.judge",
+    "plan": "study.api",
+}
+"""Modules of the public names; each is imported at its first use, so that the command starts at once."""
 
 __all__ = [
     "Comparison",
@@ -22,3 +43,12 @@ __all__ = [
     "judge",
     "plan",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name from its module at its first use."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value

@@ -9,6 +9,10 @@ def main() -> None:
     """Run the command."""
     try:
         from study.cli.main import main as run
+
+        run()
+    except KeyboardInterrupt:  # during the first imports
+        sys.exit(130)
     except ModuleNotFoundError as error:
         if str(error.name).partition(".")[0] == "study":
             raise  # a file of ours is missing: no package that could be installed
@@ -18,7 +22,6 @@ def main() -> None:
             file=sys.stderr,
         )
         sys.exit(2)
-    run()
 
 
 if __name__ == "__main__":

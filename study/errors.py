@@ -10,6 +10,10 @@ class StudyError(Exception):
     """A mistake the user can mend; its text says where, what was expected, what came and what would do."""
 
 
+class Interrupted(Exception):
+    """Ctrl-C, with the sentence to say."""
+
+
 def unknown(kind: str, name: str, known: Iterable[str]) -> StudyError:
     """Build the error for a name that is not in a list, with the nearest names as a hint."""
     names = sorted(known)

@@ -170,7 +170,7 @@ print(plan(problem).duration, plan(problem, "ruckig-stops").reason, compare(prob
         ),
         ("from study.cases.library import load_case", "need the Python packages pydantic and pyyaml"),
         (
-            "from study.io.rows import read_rows; from pathlib import Path; read_rows(Path('a.yaml'))",
+            "from study.io.waypoints import read_rows; from pathlib import Path; read_rows(Path('a.yaml'))",
             "pip install pyyaml",
         ),
     ],

@@ -16,7 +16,7 @@ from study.cases.paper_file import SI, CaseFile, Limits, Printed, Rates, Unit, i
 from study.curves import curve_named
 from study.datafiles import checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
-from study.io.rows import parsed
+from study.io.table import parsed
 from study.planning import Formulation, RunSettings, Synchronisation, usual_settings
 from study.problem import EndCondition, Floats, JointLimits, Problem, frozen_array
 

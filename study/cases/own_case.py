@@ -16,7 +16,8 @@ from study.cases.paper_file import SI
 from study.datafiles import checked
 from study.errors import StudyError, plural
 from study.io.limits import OneJoint, read_limits
-from study.io.rows import WaypointRows, read_rows
+from study.io.table import WaypointRows
+from study.io.waypoints import read_rows
 from study.limits import OPTIONAL
 from study.planning import usual_curve
 from study.problem import EndCondition, Floats, JointLimits, Problem

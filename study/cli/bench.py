@@ -1,4 +1,4 @@
-"""`study bench`: how fast the parts are, next to other packages."""
+"""Command `study bench`: speed of the parts next to other packages, as ratios."""
 
 from __future__ import annotations
 
@@ -6,8 +6,12 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.table import Table
 
-from study.cli.run import DEFAULT_OUT, make_console
+from study.bench import wording
+from study.bench.measuring import Limit, Ratio
+from study.bench.run import measure, write
+from study.cli.shared import DEFAULT_OUT, make_console
 
 
 def bench(
@@ -19,11 +23,24 @@ def bench(
 
     Peers come with the extra `peers`, the compiled kernels with `fast`; what is not installed is said to be missing.
     """
-    from study.cli.bench_command import bench_command  # here: it loads what it measures
+    console = make_console()
+    with console.status("measuring") as status:
+        bench = measure(quick, lambda part: status.update(f"measuring: {part}"))
+    for topic, rows in wording.topics(bench.rows):
+        console.print(_table(topic, rows))
+    for sentence in wording.summary(bench):
+        console.print(sentence, soft_wrap=True, highlight=False)
+    write(bench, out)
+    from study.bench.page import write_page  # here: matplotlib is slow to import
 
-    bench_command(quick, out, out.parent / "report", make_console())
+    console.print(f"measurements: {out}", soft_wrap=True)
+    console.print(f"page: {write_page(out, out.parent / 'report')}", soft_wrap=True)
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command()(bench)
+def _table(topic: str, rows: list[Ratio | Limit]) -> Table:
+    table = Table(title=topic, title_justify="left", header_style="bold")
+    for text in wording.HEAD:
+        table.add_column(text, justify="right" if text in ("ours", "times as fast") else "left")
+    for row in rows:
+        table.add_row(*wording.cells(row))
+    return table

@@ -14,7 +14,7 @@ from study.cases.library import Case, load_case
 from study.cases.obstacles import nearest
 from study.cli import terminal
 from study.cli.inputs import FORMS, LimitFiles, is_bare, load_any
-from study.cli.run import INFEASIBLE, make_console
+from study.cli.shared import INFEASIBLE, make_console
 from study.errors import StudyError, plural
 from study.io.sampled import passages, read_motion
 from study.judge import judge
@@ -106,8 +106,3 @@ def _explain(case: Case, console: Console) -> None:
         console.print(f"{'planner auto takes' if k == 0 else 'or else'} {name}: {choice}", soft_wrap=True)
     console.print(f"planners that choose segment durations use the curve {case.curve}")
     console.print("the case is complete")
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command()(check)

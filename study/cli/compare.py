@@ -1,46 +1,111 @@
-"""What `study compare` does: run what is missing, write the pages, say where they are."""
+"""Command `study compare`: planners on a problem of one's own, or the papers' searches with tests and an audit."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Annotated, Any
 
+import typer
 from rich.console import Console
 from rich.progress import TaskID
 
-from study.cases.library import Case
+from study.analysis.case_summary import summarise
+from study.api import COMPARED
+from study.cases.library import Case, case_names, load_case
+from study.cases.obstacles import nearest
+from study.cases.own_case import bare_content
+from study.cli.inputs import LimitFiles, is_bare, load_any
+from study.cli.own import FORMS, Rate, Units, no_motion, trajectory_file
+from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, audit_flags, make_console, run_missing, show
 from study.cli.terminal import progress
-from study.comparison import sentences
-from study.comparison.build import compare
-from study.comparison.effort import FULL, QUICK
-from study.errors import StudyError
+from study.datafiles import make_file
+from study.errors import Interrupted, StudyError
+from study.io.export import write_motion
+from study.io.filenames import file_stem
+from study.registry import unavailable_planners
 from study.runs.environment import environment
+from study.runs.lineup import Budget, make_cells, parse_specs
+from study.store.results import Result
+from study.store.store import Store, remembered_lineup
 
 
-def compare_command(
-    cases: Mapping[str, Case], store: Path, full: bool, seeds: int | None, jobs: int | None, console: Console
-) -> Path:
-    """Build the comparison of some cases from a store.
+def compare(
+    file: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="FILE",
+            help="A case (YAML or JSON), or waypoints alone: CSV or a JointTrajectory. Without it the papers' searches "
+            "are compared on the papers' cases.",
+        ),
+    ] = None,
+    planners: Annotated[
+        list[str] | None, typer.Option(help=f"As in `study run`. [default: {', '.join(COMPARED)}]")
+    ] = None,
+    seeds: Annotated[int | None, typer.Option(help="Runs of every search. [default: 3 with FILE]")] = None,
+    evaluations: Annotated[int, typer.Option(help="Of every search, with FILE.")] = 2000,
+    time_limit: Annotated[float, typer.Option(help="Seconds after which a planner is interrupted.")] = 20.0,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
+    out: Out = DEFAULT_OUT,
+    rate: Rate = None,
+    report: Annotated[bool, typer.Option(help="Write the report and the recording.")] = True,
+    limits: LimitFiles = None,
+    units: Units = None,
+    cases: Annotated[
+        list[str] | None,
+        typer.Option(help="Without FILE: names of cases, separated by commas; the papers' five by default."),
+    ] = None,
+    full: Annotated[
+        bool, typer.Option("--full", help="Without FILE: the papers' own budgets and 30 repetitions of everything.")
+    ] = False,
+) -> None:
+    """Put your own problem to several planners, or, without FILE, compare the papers' searches with tests and an audit.
 
-    Parameters
-    ----------
-    cases : mapping of str to Case
-    store : Path
-        The results file; the pages stand beside it in `report/comparison`.
-    full : bool
-        The papers' budgets and 30 repetitions.
-    seeds : int, optional
-        Repetitions of everything, in the place of the usual ones.
-    jobs : int, optional
-        Worker processes; all processors by default.
-    console : rich.console.Console
-
-    Raises
-    ------
-    StudyError
-        If the store cannot be used, a library is missing, or the pages cannot be written.
+    With FILE it leaves tables, report, recording and the best trajectory. Without, pages with targets, tests, the
+    invariance audit, ablations and the papers' claims; what is stored is not run again.
     """
+    if file is None:
+        _compare_papers(cases, out, full, seeds, jobs)
+        return
+    seeds = 3 if seeds is None else seeds
+    case, console = load_any(file, units, limits or []), make_console()
+    source = str(file.resolve()) if not is_bare(file) else _kept_case(case, file, units, limits or [], out)
+    cells = make_cells([case], _compared(planners), Budget(seeds, evaluations, time_limit))
+    with Store(out / STORE_NAME, {case.name: case}) as store:
+        store.remember_lineup(cells, {case.name: source})
+        run_missing(cells, {case.name: case}, store, jobs, console)
+        results = store.results(cells)
+    show({case.name: case}, results, out, console, report)
+    best = _best(case, results, console)
+    if best is None or best.motion is None:
+        raise typer.Exit(no_motion(case))
+    console.print(f"fastest feasible: {best.cell.label}", soft_wrap=True)
+    for form in FORMS:
+        path = write_motion(best.motion, case.problem, trajectory_file(out, case, form), rate)
+        console.print(f"trajectory: {path}", soft_wrap=True)
+
+
+def _compare_papers(cases: list[str] | None, out: Path, full: bool, seeds: int | None, jobs: int | None) -> None:
+    names = [name.strip() for text in cases or () for name in text.split(",") if name.strip()]
+    chosen = {case.name: case for case in map(load_case, names or case_names(default_only=True))}
+    try:
+        _build_pages(chosen, out / STORE_NAME, full, seeds, jobs)
+    except KeyboardInterrupt:
+        raise Interrupted(
+            f"interrupted; what was run is stored in {out / STORE_NAME}: run the same command again to go on"
+        ) from None
+    _link_comparison(out)
+
+
+def _build_pages(cases: Mapping[str, Case], store: Path, full: bool, seeds: int | None, jobs: int | None) -> None:
+    """Run what is missing and write the pages beside the store, in `report/comparison`."""
+    from study.comparison import sentences  # here: the comparison is slow to import
+    from study.comparison.build import compare
+    from study.comparison.effort import FULL, QUICK
+
+    console = make_console()
     effort = FULL if full else QUICK
     if seeds is not None and seeds < 2:
         raise StudyError(f"a comparison on paired seeds needs at least 2 seeds, got {seeds}")
@@ -54,12 +119,56 @@ def compare_command(
                 tasks[part] = bar.add_task(part, total=total)
             bar.update(tasks[part], completed=done)
 
-        found = compare(cases, effort, store, jobs, told)
+        findings = compare(cases, effort, store, jobs, told)
     with console.status("writing the pages"):
         from study.comparison.pages import write_pages  # here: matplotlib is slow to import
 
-        page = write_pages(found, store.parent / "report" / "comparison", environment())
-    for sentence in sentences.summary(found):
+        page = write_pages(findings, store.parent / "report" / "comparison", environment())
+    for sentence in sentences.summary(findings):
         console.print(sentence, soft_wrap=True)
     console.print(f"comparison: {page}", soft_wrap=True)
-    return page
+
+
+def _link_comparison(out: Path) -> None:
+    """Write the report again where there is one, so that its index leads to the comparison."""
+    index = out / "report" / "index.html"
+    if not index.is_file() or "comparison/index.html" in index.read_text(encoding="utf-8"):
+        return
+    from study.report.page import build_report  # here: matplotlib is slow to import
+
+    cells, sources = remembered_lineup(out / STORE_NAME)
+    cases = {name: load_case(source) for name, source in sources.items()}
+    with Store(out / STORE_NAME, cases, write=False) as store:
+        results = store.results(cells)
+    if results:
+        build_report(summarise(cases, results), out / "report", environment(), audit_flags(out), sources)
+
+
+def _compared(planners: Sequence[str] | None) -> tuple[Any, ...]:
+    if planners:
+        return parse_specs(",".join(planners))
+    broken = unavailable_planners()
+    for name in COMPARED:
+        if name in broken:
+            typer.echo(f"study: left out: {broken[name]}", err=True)
+    return parse_specs(",".join(name for name in COMPARED if name not in broken))
+
+
+def _best(case: Case, results: Sequence[Result], console: Console) -> Result | None:
+    """Fastest feasible result that hits no obstacle."""
+    for result in sorted(results, key=lambda one: one.verdict.duration if one.verdict else float("inf")):
+        if result.verdict is None or not result.verdict.feasible or result.motion is None:
+            continue
+        found = nearest(case, result.motion)
+        if found is None or found.distance >= 0:
+            return result
+        console.print(f"{result.cell.label}: {found.sentence}", soft_wrap=True)
+    return None
+
+
+def _kept_case(case: Case, file: Path, units: str | None, limits: Sequence[Path], out: Path) -> str:
+    """Write down what a bare file came to, so that `study report` can load it again."""
+    content = bare_content(file, units, limits) | {"name": case.name, "waypoints": str(file.resolve())}
+    path = out / "cases" / f"{file_stem(case.name)}.json"
+    make_file(path, json.dumps(content, indent=1) + "\n")
+    return str(path.resolve())

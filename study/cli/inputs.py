@@ -12,7 +12,7 @@ from study.cases.library import Case, load_case, own_case
 from study.cases.own_case import bare_content
 from study.errors import StudyError
 from study.io.joint_trajectory import found_message
-from study.io.rows import parsed
+from study.io.table import parsed
 
 FORMS = (".yaml", ".yml", ".json")
 TABLES = (".csv", ".tsv", ".txt")

@@ -1,274 +1,107 @@
-"""The command `study`."""
+"""The command `study`: its commands by name, each imported when it runs, and how errors end."""
 
 from __future__ import annotations
 
+import os
 import sys
-from collections.abc import Sequence
-from importlib.metadata import version
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from study.cases.library import Case, case_names, load_case
-from study.cli import bench, own, pictures, terminal, torture
-from study.cli import check as checking
-from study.cli import store as storing
-from study.cli.help import use_words
-from study.cli.run import (
-    DEFAULT_OUT,
-    STORE_NAME,
-    Engine,
-    Interrupted,
-    Out,
-    make_console,
-    run_missing,
-    show,
-    watching,
-)
-from study.errors import StudyError, plural
-from study.io.filenames import file_stem
-from study.registry import planner_named, planner_names, unavailable_planners
-from study.runs.lineup import (
-    FULL_SEEDS,
-    QUICK_EVALUATIONS,
-    QUICK_SEEDS,
-    TIME_LIMIT,
-    Budget,
-    Spec,
-    default_lineup,
-    full_lineup,
-    make_cells,
-    parse_specs,
-)
-from study.store.store import Store, remembered_lineup
+from study.cli.commands import Entry, lazy_group
+from study.errors import Interrupted, StudyError
+
+COMMANDS = {
+    "list": Entry("listing", "list_all", "List cases and planners; the default ones are what `study run` takes."),
+    "run": Entry("run", "run", "Run every case with every planner, then write tables, report and recordings."),
+    "report": Entry(
+        "run", "report", "Write tables, report and recordings of the last run again, from the stored results."
+    ),
+    "view": Entry("run", "view", "Open the recording of a case in the rerun viewer."),
+    "ledger": Entry(
+        "listing", "ledger", "Print every misprint, contradiction and gap found in the papers, and the reading taken."
+    ),
+    "digest": Entry(
+        "run", "digest", "Print one checksum of all stored results, wall times left out; equal studies print the same."
+    ),
+    "reproduce": Entry(
+        "reproduce",
+        "reproduce_command",
+        "Put every printed number of a paper beside ours, with a verdict; what has been run is not run again.",
+    ),
+    "init": Entry("own", "init", "Write a commented example of a case to start from."),
+    "check": Entry(
+        "check",
+        "check",
+        "Check a case and say what was understood; or judge a trajectory: 0 if it is feasible, 3 if it is not.",
+    ),
+    "plan": Entry(
+        "own", "plan", "Plan one motion, have it judged and write it; ends with 3 where no feasible motion was found."
+    ),
+    "compare": Entry(
+        "compare",
+        "compare",
+        "Put your own problem to several planners, or, without FILE, compare the papers' searches with tests and an audit.",
+    ),
+    "schema": Entry("own", "schema", "Print the JSON Schema of a case file, for editors."),
+    "torture": Entry(
+        "torture",
+        "torture",
+        "Put random problems (1-8 joints, 2-25 waypoints, limits over three decades) to planners; ends with 3 if one crashes.",
+    ),
+    "bench": Entry(
+        "bench",
+        "bench",
+        "Measure kernels, searches and planners next to other packages, and write the report's performance page.",
+    ),
+    "pictures": Entry(
+        "pictures",
+        "pictures",
+        "Draw pictures of stored results: the ladder, one joint's profiles and the viewer's first look.",
+    ),
+    "cases": Entry("listing", "cases_app", "Look at the cases."),
+    "store": Entry("store", "store_app", "Look after the file of results."),
+}
 
 app = typer.Typer(
     help="Compare metaheuristic time-optimal trajectory planners with deterministic ones on five papers' own problems.\n\n"
     "Start with `study run`; it leaves a report and recordings in ./study-output.",
+    cls=lazy_group(COMMANDS),
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
-cases_app = typer.Typer(help="Look at the cases.", no_args_is_help=True)
-app.add_typer(cases_app, name="cases")
-
-
-CaseList = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--cases", help="Names or YAML files, separated by commas, or `all`; the papers' five cases by default."
-    ),
-]
 
 
 @app.callback(invoke_without_command=True)
 def top(show_version: Annotated[bool, typer.Option("--version", help="Print the version and end.")] = False) -> None:
     """Take the options that come before a command."""
     if show_version:
+        from importlib.metadata import version
+
         print(version("time-optimal-study"))
         raise typer.Exit
-
-
-@app.command("list")
-def list_all() -> None:
-    """List cases and planners; the default ones are what `study run` takes."""
-    console = make_console()
-    console.print(terminal.cases_table(load_case(name) for name in case_names()))
-    broken = unavailable_planners()
-    entries = [(name, broken[name] if name in broken else planner_named(name)) for name in planner_names()]
-    console.print(terminal.planners_table(entries, [spec.planner for spec in default_lineup()]))
-
-
-@app.command()
-def run(
-    seeds: Annotated[int | None, typer.Option(help=f"Runs of every search. [default: {QUICK_SEEDS}]")] = None,
-    cases: CaseList = None,
-    planners: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="NAME[:OPTION,...] separated by commas, with options penalty or scaled, per-joint or shared; "
-            "`all` takes every installed planner."
-        ),
-    ] = None,
-    out: Out = DEFAULT_OUT,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
-    evaluations: Annotated[
-        int | None, typer.Option(help=f"Evaluations of every search. [default: {QUICK_EVALUATIONS}]")
-    ] = None,
-    full: Annotated[bool, typer.Option("--full", help=f"The papers' own budgets and {FULL_SEEDS} seeds.")] = False,
-    time_limit: Annotated[float, typer.Option(help="Seconds after which a planner is interrupted.")] = TIME_LIMIT,
-    report: Annotated[bool, typer.Option(help="Write the report and the recordings.")] = True,
-    live: Annotated[
-        bool,
-        typer.Option(
-            "--live",
-            help="Watch in the rerun viewer: the running searches several times a second, with their candidates and the "
-            "best motion so far, and every cell as soon as it is finished, with how its search got there.",
-        ),
-    ] = False,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Run stored cells again too.")] = False,
-    memory: Annotated[
-        int | None, typer.Option(help="MB that a worker may take beyond its libraries (Linux).", min=16)
-    ] = None,
-    dask: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Run on the workers of a Dask scheduler; `local` starts one.")
-    ] = None,
-) -> None:
-    """Run every case with every planner, then write tables, report and recordings.
-
-    What is stored is not run again: run the same command to go on after an interruption.
-    """
-    loaded = _cases(cases)
-    budget = _budget(seeds, evaluations, full, time_limit)
-    lineup = _lineup(planners)
-    engine = Engine(fresh, None if memory is None else memory * 10**6, dask)
-    cells = make_cells([case for case, _ in loaded.values()], lineup, budget)
-    chosen = {name: case for name, (case, _) in loaded.items()}
-    console = make_console()
-    with Store(out / STORE_NAME, chosen) as store:
-        store.remember_lineup(cells, {name: source for name, (_, source) in loaded.items()})
-        for reason in () if planners and planners != ["all"] else unavailable_planners().values():
-            print(f"study: left out: {reason}", file=sys.stderr)
-        with watching(chosen, live, store.results(cells) if live else ()) as watch:
-            run_missing(cells, chosen, store, jobs, console, watch, engine)
-        results = store.results(cells)
-    show(chosen, results, out, console, report)
-
-
-def _cases(texts: Sequence[str] | None) -> dict[str, tuple[Case, str]]:
-    """Load cases; for each the name or absolute path that loads it again."""
-    names = [name.strip() for text in texts for name in text.split(",")] if texts else case_names(default_only=True)
-    names = case_names() if names == ["all"] else names
-    found: dict[str, tuple[Case, str]] = {}
-    for name in filter(None, names):
-        case = load_case(name)
-        found[case.name] = (case, name if name == case.name else str(Path(name).resolve()))
-    if not found:
-        raise StudyError("no cases to run; name some with --cases, see `study list`")
-    return found
-
-
-def _budget(seeds: int | None, evaluations: int | None, full: bool, time_limit: float) -> Budget:
-    usual_seeds, usual_evaluations = (FULL_SEEDS, None) if full else (QUICK_SEEDS, QUICK_EVALUATIONS)
-    return Budget(
-        usual_seeds if seeds is None else seeds, usual_evaluations if evaluations is None else evaluations, time_limit
-    )
-
-
-def _lineup(texts: Sequence[str] | None) -> tuple[Spec, ...]:
-    if texts and texts != ["all"]:
-        return parse_specs(",".join(texts))
-    return full_lineup() if texts else default_lineup()
-
-
-@app.command()
-def report(
-    out: Out = DEFAULT_OUT,
-    interactive: Annotated[
-        bool,
-        typer.Option(
-            "--interactive",
-            help="Also pages with the recordings' own viewer inside, which work without a network: about 20 MB, "
-            "and some more for every case.",
-        ),
-    ] = False,
-) -> None:
-    """Write tables, report and recordings of the last run again, from the stored results.
-
-    After a run that was killed they show the cells that were finished: each was stored the moment it ended, and
-    recordings are made from the store, so none has to be mended.
-    """
-    cells, sources = remembered_lineup(out / STORE_NAME)
-    cases = {name: load_case(source) for name, source in sources.items()}
-    with Store(out / STORE_NAME, cases, write=False) as store:
-        results = store.results(cells)
-    if not results:
-        raise StudyError(f"no stored result in {out / STORE_NAME} belongs to the last run; run `study run` first")
-    show(cases, results, out, make_console(), interactive=interactive)
-
-
-@app.command()
-def view(
-    case: Annotated[str, typer.Argument(metavar="CASE", help="Its name, as `study list` prints it.")],
-    out: Out = DEFAULT_OUT,
-) -> None:
-    """Open the recording of a case in the rerun viewer."""
-    path = out / "recordings" / f"{file_stem(case)}.rrd"
-    if not path.exists():
-        load_case(case)
-        raise StudyError(
-            f"there is no recording at {path}; run `study run --cases {case}` first, or name its folder with --out"
-        )
-    from study.recording import view as open_viewer
-
-    open_viewer(path)
-
-
-@app.command()
-def ledger(paper: Annotated[str | None, typer.Option(help="Key of one paper; all five by default.")] = None) -> None:
-    """Print every misprint, contradiction and gap found in the papers, and the reading taken."""
-    from study.cases.ledger import ledger as entries
-
-    console = make_console()
-    for table in terminal.ledger_tables(entries(paper)):
-        console.print(table)
-
-
-@app.command()
-def digest(out: Out = DEFAULT_OUT) -> None:
-    """Print one checksum of all stored results, wall times left out; equal studies print the same."""
-    with Store(out / STORE_NAME, {}, write=False) as store:
-        print(store.digest())
-        if cut_short := store.cut_short():
-            print(f"study: {plural(cut_short, 'result')} decided by a time limit may differ elsewhere", file=sys.stderr)
-
-
-@app.command()
-def reproduce(
-    paper: Annotated[
-        str | None, typer.Argument(metavar="PAPER", help="woodworking, aubo, smwoa, sparrow, puma or a paper's key.")
-    ] = None,
-    all_papers: Annotated[bool, typer.Option("--all", help="All five papers.")] = False,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Fewer seeds, the stated readings only; labelled as quick.")
-    ] = False,
-    out: Out = DEFAULT_OUT,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
-    commit: Annotated[
-        bool, typer.Option("--commit", help="With --all: write the verdicts into the data of a checkout.")
-    ] = False,
-) -> None:
-    """Put every printed number of a paper beside ours, with a verdict; what has been run is not run again."""
-    from study.cli.reproduce import reproduce_command
-
-    reproduce_command(paper, all_papers, quick, out, jobs, commit, make_console())
-
-
-@cases_app.command("show")
-def show_case(name: Annotated[str, typer.Argument(metavar="NAME", help="Name or YAML file.")]) -> None:
-    """Print a case: waypoints, limits, sources and notes."""
-    for table in terminal.case_tables(load_case(name)):
-        make_console().print(table)
-
-
-bench.register(app)
-checking.register(app)
-own.register(app)
-pictures.register(app)
-storing.register(app)
-torture.register(app)
-use_words(app)
 
 
 def main() -> None:
     """Run the command; what a user can mend ends in one sentence and exit code 2."""
     try:
-        app()
+        try:
+            app()
+        finally:
+            sys.stdout.flush()
     except StudyError as error:
-        print(f"study: {error}", file=sys.stderr)
-        sys.exit(2)
+        _end(str(error), 2)
     except Interrupted as interruption:
-        print(f"study: {interruption}", file=sys.stderr)
-        sys.exit(130)
+        _end(str(interruption), 130)
+    except KeyboardInterrupt:
+        _end("interrupted", 130)
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the flush at exit would fail once more
+        _end(f"the output cannot be written: {error.strerror}", 2)
+
+
+def _end(sentence: str, status: int) -> None:
+    print(f"study: {sentence}", file=sys.stderr)
+    sys.exit(status)

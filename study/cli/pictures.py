@@ -9,7 +9,7 @@ import typer
 
 from study.analysis.case_summary import summarise
 from study.cases.library import load_case
-from study.cli.run import DEFAULT_OUT, STORE_NAME, Out, make_console, recording_file
+from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, make_console, recording_file
 from study.errors import StudyError
 from study.store.store import Store, remembered_lineup
 
@@ -52,8 +52,3 @@ def pictures(
     contents["viewer.png"] = small(picture(recording, midway(summaries[case])))
     for path in write_pictures(folder, case, contents):
         make_console().print(str(path), soft_wrap=True)
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command()(pictures)

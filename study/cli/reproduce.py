@@ -1,4 +1,4 @@
-"""What `study reproduce` does: run, rule, write pages, and compare with the committed verdicts."""
+"""Command `study reproduce`: run, rule, write pages, and compare with the committed verdicts."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ import csv
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated
 
+import typer
 from rich.console import Console
 
+from study.cli.shared import DEFAULT_OUT, Out, make_console
 from study.cli.terminal import progress
 from study.datafiles import data_folder
 from study.errors import StudyError
@@ -123,23 +126,29 @@ def tally(entries: Sequence[Entry]) -> str:
 
 
 def reproduce_command(
-    paper: str | None, everything: bool, quick: bool, out: Path, workers: int | None, commit: bool, console: Console
+    paper: Annotated[
+        str | None, typer.Argument(metavar="PAPER", help="woodworking, aubo, smwoa, sparrow, puma or a paper's key.")
+    ] = None,
+    all_papers: Annotated[bool, typer.Option("--all", help="All five papers.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Fewer seeds, the stated readings only; labelled as quick.")
+    ] = False,
+    out: Out = DEFAULT_OUT,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
+    commit: Annotated[
+        bool, typer.Option("--commit", help="With --all: write the verdicts into the data of a checkout.")
+    ] = False,
 ) -> None:
-    """Check the options, reproduce, and say what differs from the committed verdicts.
-
-    Raises
-    ------
-    StudyError
-        If neither or both of a paper and all papers are asked for, or the table is to be written from less than a full run.
-    """
-    if (paper is None) != everything:
+    """Put every printed number of a paper beside ours, with a verdict; what has been run is not run again."""
+    if (paper is None) != all_papers:
         raise StudyError(
-            f"name one paper ({', '.join(SHORT)}) or give --all, not {'both' if everything else 'neither'}"
+            f"name one paper ({', '.join(SHORT)}) or give --all, not {'both' if all_papers else 'neither'}"
         )
-    if commit and (quick or not everything):
+    if commit and (quick or not all_papers):
         raise StudyError("--commit writes the verdicts of a full run: give --all, without --quick")
+    console = make_console()
     papers = list(MODULES) if paper is None else [paper_named(paper)]
-    found = reproduce(papers, QUICK if quick else FULL, out, workers, console)
+    found = reproduce(papers, QUICK if quick else FULL, out, jobs, console)
     for name, entries in found.items():
         console.print(f"{name}: {tally(entries)}", soft_wrap=True)
     flat = [entry for entries in found.values() for entry in entries]

@@ -1,225 +1,166 @@
-"""What the commands that run planners share: the run with its bar, the tables, the report and the recordings."""
+"""Commands that run the study and show its stored results: `study run`, `report`, `view` and `digest`."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
-from contextlib import contextmanager
-from dataclasses import dataclass
+import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
-from study.analysis.case_summary import CaseSummary, summarise
-from study.cases.library import Case
-from study.cli import terminal
+from study.cases.library import Case, case_names, load_case
+from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, Workers, make_console, run_missing, show, watching
+from study.errors import StudyError, plural
 from study.io.filenames import file_stem
-from study.runs.dask import dask_executor
-from study.runs.environment import environment
-from study.runs.progress import Progress
-from study.runs.runner import RunOptions, default_jobs, run_cells
-from study.store.results import Cell, Result
+from study.registry import unavailable_planners
+from study.runs.lineup import (
+    FULL_SEEDS,
+    QUICK_EVALUATIONS,
+    QUICK_SEEDS,
+    TIME_LIMIT,
+    Budget,
+    Spec,
+    default_lineup,
+    full_lineup,
+    make_cells,
+    parse_specs,
+)
 from study.store.store import Store, remembered_lineup
 
-DEFAULT_OUT = Path("study-output")
-STORE_NAME = "results.sqlite"
-INFEASIBLE = 3
-"""Exit status where no feasible motion was found."""
-
-Out = Annotated[Path, typer.Option("--out", help="Folder of the results, the report and the recordings.")]
-
-
-@dataclass(frozen=True)
-class Engine:
-    """Where and how cells are run.
-
-    Attributes
-    ----------
-    fresh : bool
-        Whether stored cells are run again.
-    memory : int, bytes, optional
-        Limit of every worker.
-    dask : str, optional
-        Address of a scheduler, or `local`; None for processes of our own.
-    """
-
-    fresh: bool = False
-    memory: int | None = None
-    dask: str | None = None
-
-    @contextmanager
-    def executor(self, jobs: int | None) -> Iterator[Executor | None]:
-        """Connect to the workers; None where the runner starts its own."""
-        if self.dask is None:
-            yield None
-            return
-        with dask_executor(self.dask, default_jobs() if jobs is None else jobs) as executor:
-            yield executor
+CaseList = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--cases", help="Names or YAML files, separated by commas, or `all`; the papers' five cases by default."
+    ),
+]
 
 
-@dataclass(frozen=True)
-class Watch:
-    """Who is told how a run goes.
-
-    Attributes
-    ----------
-    finished : callable (result)
-        Told of every result once it is stored.
-    progress : callable (cell, progress), optional
-        Told a few times a second where the running searches stand.
-    """
-
-    finished: Callable[[Result], None] = lambda result: None
-    progress: Callable[[Cell, Progress], None] | None = None
-
-
-class Interrupted(Exception):
-    """Ctrl-C, with the sentence to say."""
-
-
-def make_console() -> Console:
-    """Build the console: as wide as the terminal, or wide enough for all tables where there is none.
-
-    Names of joints and cases are people's own, so square brackets and colons in them mean nothing special.
-    """
-    console = Console(markup=False, emoji=False)
-    return console if console.is_terminal else Console(width=180, markup=False, emoji=False)
-
-
-def run_missing(
-    cells: Sequence[Cell],
-    cases: Mapping[str, Case],
-    store: Store,
-    jobs: int | None,
-    console: Console,
-    watch: Watch | None = None,
-    engine: Engine | None = None,
+def run(
+    seeds: Annotated[int | None, typer.Option(help=f"Runs of every search. [default: {QUICK_SEEDS}]")] = None,
+    cases: CaseList = None,
+    planners: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="NAME[:OPTION,...] separated by commas, with options penalty or scaled, per-joint or shared; "
+            "`all` takes every installed planner."
+        ),
+    ] = None,
+    out: Out = DEFAULT_OUT,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
+    evaluations: Annotated[
+        int | None, typer.Option(help=f"Evaluations of every search. [default: {QUICK_EVALUATIONS}]")
+    ] = None,
+    full: Annotated[bool, typer.Option("--full", help=f"The papers' own budgets and {FULL_SEEDS} seeds.")] = False,
+    time_limit: Annotated[float, typer.Option(help="Seconds after which a planner is interrupted.")] = TIME_LIMIT,
+    report: Annotated[bool, typer.Option(help="Write the report and the recordings.")] = True,
+    live: Annotated[
+        bool,
+        typer.Option(
+            "--live",
+            help="Watch in the rerun viewer: the running searches several times a second, with their candidates and the "
+            "best motion so far, and every cell as soon as it is finished, with how its search got there.",
+        ),
+    ] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Run stored cells again too.")] = False,
+    memory: Annotated[
+        int | None, typer.Option(help="MB that a worker may take beyond its libraries (Linux).", min=16)
+    ] = None,
+    dask: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Run on the workers of a Dask scheduler; `local` starts one.")
+    ] = None,
 ) -> None:
-    """Run the cells that are not stored yet, with a bar.
+    """Run every case with every planner, then write tables, report and recordings.
 
-    Raises
-    ------
-    Interrupted
-        On Ctrl-C.
+    What is stored is not run again: run the same command to go on after an interruption.
     """
-    engine, watch = engine or Engine(), watch or Watch()
-    missing = list(cells) if engine.fresh else store.missing(cells)
-    console.print(f"{len(cells)} cells, {len(cells) - len(missing)} of them stored already")
-    done = 0
-    with terminal.progress(console) as progress:
-        task = progress.add_task("running", total=len(missing))
-
-        def finished(result: Result) -> None:
-            nonlocal done
-            done += 1
-            progress.update(task, advance=1, description=f"{result.cell.case}: {result.cell.label}")
-            watch.finished(result)
-
-        try:
-            with engine.executor(jobs) as executor:
-                options = RunOptions(engine.fresh, engine.memory, watch.progress)
-                run_cells(missing, cases, store, executor=executor, jobs=jobs, options=options, on_result=finished)
-        except KeyboardInterrupt:
-            raise Interrupted(
-                f"interrupted: {len(cells) - len(missing) + done} of {len(cells)} cells are stored in {store.path}; "
-                "run the same command again to go on, or `study report` to see them"
-            ) from None
-        progress.update(task, description="finished")
+    loaded = _cases(cases)
+    budget = _budget(seeds, evaluations, full, time_limit)
+    lineup = _lineup(planners)
+    workers = Workers(fresh, None if memory is None else memory * 10**6, dask)
+    cells = make_cells([case for case, _ in loaded.values()], lineup, budget)
+    chosen = {name: case for name, (case, _) in loaded.items()}
+    console = make_console()
+    with Store(out / STORE_NAME, chosen) as store:
+        store.remember_lineup(cells, {name: source for name, (_, source) in loaded.items()})
+        for reason in () if planners and planners != ["all"] else unavailable_planners().values():
+            print(f"study: left out: {reason}", file=sys.stderr)
+        with watching(chosen, live, store.results(cells) if live else ()) as watch:
+            run_missing(cells, chosen, store, jobs, console, watch, workers)
+        results = store.results(cells)
+    show(chosen, results, out, console, report)
 
 
-@contextmanager
-def watching(cases: Mapping[str, Case], live: bool, known: Sequence[Result] = ()) -> Iterator[Watch]:
-    """Give who is to be told how the run goes: with `live` an open viewer, otherwise nobody.
-
-    Parameters
-    ----------
-    cases : mapping of str to Case
-    live : bool
-    known : sequence of Result
-        Stored already; the viewer shows them at once.
-
-    Raises
-    ------
-    StudyError
-        If the viewer or a display is missing.
-    """
-    if not live:
-        yield Watch()
-        return
-    _keep_to_oneself()
-    from study import recording  # here: rerun is slow to import
-
-    with recording.live_recording() as (viewer, _):
-        for result in known:
-            viewer.add(cases[result.cell.case], result)
-        yield Watch(
-            finished=lambda result: viewer.add(cases[result.cell.case], result),
-            progress=lambda cell, progress: viewer.show(cases[cell.case], cell, progress),
-        )
+def _cases(texts: Sequence[str] | None) -> dict[str, tuple[Case, str]]:
+    """Load cases; for each the name or absolute path that loads it again."""
+    names = [name.strip() for text in texts for name in text.split(",")] if texts else case_names(default_only=True)
+    names = case_names() if names == ["all"] else names
+    found: dict[str, tuple[Case, str]] = {}
+    for name in filter(None, names):
+        case = load_case(name)
+        found[case.name] = (case, name if name == case.name else str(Path(name).resolve()))
+    if not found:
+        raise StudyError("no cases to run; name some with --cases, see `study list`")
+    return found
 
 
-def show(
-    cases: Mapping[str, Case],
-    results: Sequence[Result],
-    out: Path,
-    console: Console,
-    with_report: bool = True,
-    interactive: bool = False,
+def _budget(seeds: int | None, evaluations: int | None, full: bool, time_limit: float) -> Budget:
+    usual_seeds, usual_evaluations = (FULL_SEEDS, None) if full else (QUICK_SEEDS, QUICK_EVALUATIONS)
+    return Budget(
+        usual_seeds if seeds is None else seeds, usual_evaluations if evaluations is None else evaluations, time_limit
+    )
+
+
+def _lineup(texts: Sequence[str] | None) -> tuple[Spec, ...]:
+    if texts and texts != ["all"]:
+        return parse_specs(",".join(texts))
+    return full_lineup() if texts else default_lineup()
+
+
+def report(
+    out: Out = DEFAULT_OUT,
+    interactive: Annotated[
+        bool,
+        typer.Option(
+            "--interactive",
+            help="Also pages with the recordings' own viewer inside, which work without a network: about 20 MB, "
+            "and some more for every case.",
+        ),
+    ] = False,
 ) -> None:
-    """Print the table of every case and, if so wanted, write the report and the recordings, `interactive` as pages too."""
-    summaries, flagged = summarise(cases, results), audit_flags(out)
-    for summary in summaries:
-        console.print(terminal.methods_table(summary, flagged))
-    if with_report:
-        with console.status("writing the report and the recordings"):
-            page, recordings = write(summaries, out, flagged, interactive)
-        console.print(
-            f"report: {page}", f"recordings: {recordings} (open one with `study view CASE`)", sep="\n", soft_wrap=True
+    """Write tables, report and recordings of the last run again, from the stored results.
+
+    After a run that was killed they show the cells that were finished: each was stored the moment it ended, and
+    recordings are made from the store, so none has to be mended.
+    """
+    cells, sources = remembered_lineup(out / STORE_NAME)
+    cases = {name: load_case(source) for name, source in sources.items()}
+    with Store(out / STORE_NAME, cases, write=False) as store:
+        results = store.results(cells)
+    if not results:
+        raise StudyError(f"no stored result in {out / STORE_NAME} belongs to the last run; run `study run` first")
+    show(cases, results, out, make_console(), interactive=interactive)
+
+
+def view(
+    case: Annotated[str, typer.Argument(metavar="CASE", help="Its name, as `study list` prints it.")],
+    out: Out = DEFAULT_OUT,
+) -> None:
+    """Open the recording of a case in the rerun viewer."""
+    path = out / "recordings" / f"{file_stem(case)}.rrd"
+    if not path.exists():
+        load_case(case)
+        raise StudyError(
+            f"there is no recording at {path}; run `study run --cases {case}` first, or name its folder with --out"
         )
-    console.print(f"results: {out / STORE_NAME}", soft_wrap=True)
+    from study.recording import view as open_viewer
+
+    open_viewer(path)
 
 
-def write(
-    summaries: Sequence[CaseSummary],
-    out: Path,
-    flagged: Mapping[str, str],
-    interactive: bool = False,
-) -> tuple[Path, Path]:
-    """Write report and recordings, searches that are flagged marked; where the report's first page and the recordings are."""
-    _keep_to_oneself()
-    from study.recording import forget_pages, interactive_pages, record_case
-    from study.report.page import build_report, slugs, write_viewers  # here: matplotlib and rerun are slow to import
-
-    for summary in summaries:
-        if summary.ran:  # a run that was stopped may not have come to every case
-            record_case(summary, recording_file(out, summary.case.name))
-    forget_pages(out / "report")
-    if interactive:
-        shown = slugs(summary.case for summary in summaries if summary.ran)
-        files = {slug: recording_file(out, case.name) for slug, case in shown.items()}
-        write_viewers(interactive_pages(files, out / "report"), shown, out / "report")
-    sources = remembered_lineup(out / STORE_NAME)[1] if (out / STORE_NAME).is_file() else {}
-    index = build_report(summaries, out / "report", environment(), flagged, sources)
-    return index, out / "recordings"
-
-
-def audit_flags(out: Path) -> dict[str, str]:
-    """Searches that the bias audit of `study compare` flags, with the reason; empty where it has not been made."""
-    from study.comparison.build import flags  # here: the comparison is slow to import
-
-    return flags(out / STORE_NAME)
-
-
-def _keep_to_oneself() -> None:
-    """Nothing leaves the machine; rerun reads this when it is imported."""
-    os.environ["RERUN_ANALYTICS_ENABLED"] = "false"
-
-
-def recording_file(out: Path, name: str) -> Path:
-    """Where the recording of a case stands; its folder is made."""
-    folder = out / "recordings"
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder / f"{file_stem(name)}.rrd"
+def digest(out: Out = DEFAULT_OUT) -> None:
+    """Print one checksum of all stored results, wall times left out; equal studies print the same."""
+    with Store(out / STORE_NAME, {}, write=False) as store:
+        print(store.digest())
+        if cut_short := store.cut_short():
+            print(f"study: {plural(cut_short, 'result')} decided by a time limit may differ elsewhere", file=sys.stderr)

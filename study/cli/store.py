@@ -8,11 +8,11 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from study.cli.run import DEFAULT_OUT, STORE_NAME, Out, make_console
+from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, make_console
 from study.errors import StudyError, plural
 from study.store import maintenance as storekeeping
 
-store_app = typer.Typer(help="Look after the file of results.", no_args_is_help=True)
+store_app = typer.Typer(help="Look after the file of results.", no_args_is_help=True, add_completion=False)
 
 Target = Annotated[Path, typer.Argument(metavar="FILE", help="Ends in .csv or .parquet.")]
 Others = Annotated[list[Path], typer.Argument(metavar="OTHER", help="Results files, or folders that hold one.")]
@@ -78,8 +78,3 @@ def summary(out: Out = DEFAULT_OUT) -> None:
         counts = (f"{count:,}" for count in (row.cells, row.feasible, row.cut_short))
         table.add_row(row.case, row.label, *counts, *durations, f"{row.wall_time:.1f}")
     make_console().print(table)
-
-
-def register(app: typer.Typer) -> None:
-    """Add the commands."""
-    app.add_typer(store_app, name="store")

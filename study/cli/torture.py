@@ -11,8 +11,8 @@ import typer
 from rich.table import Table
 
 from study.cli import terminal
-from study.cli.run import Interrupted, make_console
-from study.errors import StudyError
+from study.cli.shared import make_console
+from study.errors import Interrupted, StudyError
 from study.registry import planner_named
 from study.runs.runner import default_jobs
 from study.testing.stress import CRASH, OUTCOMES, WRONG, Outcome, reference_planners
@@ -68,8 +68,3 @@ def _table(counts: Mapping[str, Counter[str]], problems: int, seed: int) -> Tabl
     for name, count in counts.items():
         table.add_row(name, *(f"{count[kind]:,}" for kind in OUTCOMES))
     return table
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command()(torture)

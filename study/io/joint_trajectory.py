@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from study.errors import StudyError
-from study.io.rows import WaypointRows, increasing, table
+from study.io.table import WaypointRows, increasing, table
 from study.problem import Floats, Problem
 from study.trajectory import Motion
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from study.errors import StudyError
-from study.io.rows import parsed
+from study.io.table import parsed
 from study.io.urdf import read_urdf
 
 SWITCHES = {

@@ -10,7 +10,7 @@ from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline, PPoly
 
 from study import polynomial
 from study.errors import StudyError, unknown
-from study.io.rows import csv_cells, decimal
+from study.io.table import csv_cells, decimal
 from study.problem import EndCondition, Floats, Problem
 from study.trajectory import Trajectory
 

@@ -1,20 +1,23 @@
 """The help of every command says what it does and names values by words."""
 
 import re
+import subprocess
+import sys
 
 import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from study.cli.main import app
+from study.cli.main import COMMANDS, app
 
 
-def commands(command=None, path=()):
+def commands():
     """Every command with the words that lead to it."""
-    command = get_command(app) if command is None else command
-    yield path, command
-    for name, inner in getattr(command, "commands", {}).items():
-        yield from commands(inner, (*path, name))
+    yield (), get_command(app)
+    for name, entry in COMMANDS.items():
+        command = entry.load(name)
+        yield (name,), command
+        yield from (((name, inner), found) for inner, found in getattr(command, "commands", {}).items())
 
 
 ALL = dict(commands())
@@ -37,3 +40,21 @@ def test_every_option_that_takes_a_value_has_a_word_for_it_and_everything_a_sent
         assert param.help, param.name
         if param.param_type_name == "option" and not param.is_flag:
             assert re.fullmatch(r"[A-Z]+", param.metavar), param.name
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_list_of_commands_says_what_each_says_of_itself(name):
+    first = COMMANDS[name].load(name).help.strip().partition("\n")[0]
+    assert COMMANDS[name].help == first
+
+
+@pytest.mark.parametrize("option", ["--version", "--help"])
+def test_version_and_help_import_nothing_heavy(option):
+    code = (
+        "import sys; from study.__main__ import main; sys.argv = ['study', sys.argv[1]]\n"
+        "try:\n    main()\nexcept SystemExit:\n    print(*sorted({n.partition('.')[0] for n in sys.modules}), file=sys.stderr)"
+    )
+    ended = subprocess.run([sys.executable, "-c", code, option], capture_output=True, text=True, timeout=60)
+    loaded = set(ended.stderr.split())
+    assert "typer" in loaded
+    assert not loaded & {"numpy", "scipy", "yaml", "rerun", "matplotlib", "pyarrow", "casadi", "jinja2"}

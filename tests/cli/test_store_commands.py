@@ -2,7 +2,7 @@ import pytest
 from typer.testing import CliRunner
 
 from study.cli.main import app
-from study.cli.run import STORE_NAME
+from study.cli.shared import STORE_NAME
 from study.errors import StudyError
 
 

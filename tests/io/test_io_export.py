@@ -9,8 +9,8 @@ from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.curves import curve_named
 from study.io.exact import read_exact
 from study.io.export import sample_times, usual_rate, write_motion
-from study.io.rows import read_rows
 from study.io.sampled import read_motion
+from study.io.waypoints import read_rows
 
 NAMES = ('elbow "left", 1', "<wrist>")
 

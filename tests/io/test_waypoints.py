@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from study.errors import StudyError
-from study.io.rows import read_rows
 from study.io.text import read_text
+from study.io.waypoints import read_rows
 
 TWO = [[0.5, -1.25], [1.0, 2.0]]
 MESSAGE = {

@@ -1,4 +1,4 @@
-"""Waypoints from a file: a CSV table, rows in YAML or JSON, or a ROS 2 trajectory."""
+"""Tables of numbers as people write them: cells of a CSV file, rows of YAML or JSON, decimal commas, increasing times."""
 
 from __future__ import annotations
 
@@ -15,9 +15,6 @@ import numpy as np
 from study.errors import StudyError, plural
 from study.io.text import read_text
 from study.problem import Floats
-
-TIME = re.compile(r"(t|time|time[ _]from[ _]start|zeit|temps)\b.*", re.IGNORECASE)
-"""How a header names the column of times."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,34 +33,6 @@ class WaypointRows:
     values: Floats
     names: tuple[str, ...] = ()
     si: bool = False
-
-
-def read_rows(path: Path) -> WaypointRows:
-    """Read waypoints from a CSV, YAML or JSON file.
-
-    Parameters
-    ----------
-    path : Path
-        `.csv`, `.tsv`, `.txt`: a table, one waypoint per line, with or without a header line of joint names and a column
-        of times; `.yaml`, `.yml`, `.json`: a list of rows, or a `trajectory_msgs/JointTrajectory`.
-
-    Raises
-    ------
-    StudyError
-        If the file cannot be read or holds no table of numbers.
-    """
-    where = f"file {path.name!r}"
-    if path.suffix.lower() in (".csv", ".tsv", ".txt"):
-        return _from_csv(read_text(path), where)
-    from study.io.joint_trajectory import found_message, message_rows
-
-    content = parsed(path)
-    if (message := found_message(content)) is not None:
-        return message_rows(message, where)
-    rows = content.get("waypoints", content) if isinstance(content, dict) else content
-    if not isinstance(rows, list):
-        raise StudyError(f"{where}: expected a list of waypoints or a JointTrajectory with 'joint_names' and 'points'")
-    return WaypointRows(table(rows, where))
 
 
 def parsed(path: Path) -> Any:
@@ -104,14 +73,12 @@ def table(rows: Sequence[Any], where: str) -> Floats:
     """
     if not rows:
         raise StudyError(f"{where}: there are no waypoints; give at least two")
-    for number, row in enumerate(rows, start=1):
+    for line, row in enumerate(rows, start=1):
         if not isinstance(row, list) or not row:
-            raise StudyError(f"{where}: waypoint {number} must be a list of numbers, got {str(row)[:60]!r}")
+            raise StudyError(f"{where}: waypoint {line} must be a list of numbers, got {str(row)[:60]!r}")
         if len(row) != len(rows[0]):
-            raise StudyError(
-                f"{where}: waypoint {number} has {plural(len(row), 'number')}, the first has {len(rows[0])}"
-            )
-    return np.array([[_number(value, f"{where}: waypoint {i}") for value in row] for i, row in enumerate(rows, 1)])
+            raise StudyError(f"{where}: waypoint {line} has {plural(len(row), 'number')}, the first has {len(rows[0])}")
+    return np.array([[number(value, f"{where}: waypoint {i}") for value in row] for i, row in enumerate(rows, 1)])
 
 
 def increasing(times: Floats, where: str, what: str) -> None:
@@ -122,23 +89,6 @@ def increasing(times: Floats, where: str, what: str) -> None:
         raise StudyError(
             f"{where}: times must increase, but {what} {k + 2} has {times[k + 1]:g} s after {times[k]:g} s; sort the rows"
         )
-
-
-def _from_csv(text: str, where: str) -> WaypointRows:
-    lines = [(n, cells) for n, cells in csv_cells(text) if any(cell.strip() for cell in cells)]
-    header = [] if not lines or _all_numbers(lines[0][1]) else [cell.strip() for cell in lines[0][1]]
-    body = lines[1:] if header else lines
-    if not body:
-        raise StudyError(f"{where}: there are no waypoints; give one line for each")
-    width = len(header) or len(body[0][1])
-    for number, cells in body:
-        if len(cells) != width:
-            raise StudyError(f"{where}, line {number}: expected {width} columns as in the first line, got {len(cells)}")
-    values = np.array([[_number(cell, f"{where}, line {number}") for cell in cells] for number, cells in body])
-    if header and TIME.fullmatch(header[0]):
-        increasing(values[:, 0], where, "waypoint")
-        values, header = values[:, 1:], header[1:]
-    return WaypointRows(values, tuple(header))
 
 
 def csv_cells(text: str) -> list[tuple[int, list[str]]]:
@@ -168,18 +118,26 @@ def decimal(text: str) -> float:
     return float(plain)
 
 
-def _all_numbers(cells: Sequence[str]) -> bool:
+def number(value: Any, where: str) -> float:
+    """Read a finite number.
+
+    Raises
+    ------
+    StudyError
+        If it is none.
+    """
+    try:
+        read = decimal(value) if isinstance(value, str) else np.nan if isinstance(value, bool) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        read = np.nan
+    if not np.isfinite(read):
+        raise StudyError(f"{where}: expected a finite number, got {str(value)[:60]!r}")
+    return read
+
+
+def all_numbers(cells: Sequence[str]) -> bool:
+    """Tell a line of numbers from a header."""
     try:
         return bool([decimal(cell) for cell in cells])
     except ValueError:
         return False
-
-
-def _number(value: Any, where: str) -> float:
-    try:
-        number = decimal(value) if isinstance(value, str) else np.nan if isinstance(value, bool) else float(value)
-    except (TypeError, ValueError, OverflowError):
-        number = np.nan
-    if not np.isfinite(number):
-        raise StudyError(f"{where}: expected a finite number, got {str(value)[:60]!r}")
-    return number

@@ -1,0 +1,222 @@
+"""Steps shared by the commands: the run with its progress bar, the tables, the report and the recordings."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from study.analysis.case_summary import CaseSummary, summarise
+from study.cases.library import Case
+from study.cli import terminal
+from study.errors import Interrupted
+from study.io.filenames import file_stem
+from study.runs.dask import dask_executor
+from study.runs.environment import environment
+from study.runs.progress import Progress
+from study.runs.runner import RunOptions, default_jobs, run_cells
+from study.store.results import Cell, Result
+from study.store.store import Store, remembered_lineup
+
+DEFAULT_OUT = Path("study-output")
+STORE_NAME = "results.sqlite"
+INFEASIBLE = 3
+"""Exit status where no feasible motion was found."""
+
+Out = Annotated[Path, typer.Option("--out", help="Folder of the results, the report and the recordings.")]
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Processes that run cells, and how.
+
+    Attributes
+    ----------
+    fresh : bool
+        Whether stored cells are run again.
+    memory : int, bytes, optional
+        Limit of every worker.
+    dask : str, optional
+        Address of a scheduler, or `local`; None for processes of our own.
+    """
+
+    fresh: bool = False
+    memory: int | None = None
+    dask: str | None = None
+
+    @contextmanager
+    def executor(self, jobs: int | None) -> Iterator[Executor | None]:
+        """Connect to the workers; None where the runner starts its own."""
+        if self.dask is None:
+            yield None
+            return
+        with dask_executor(self.dask, default_jobs() if jobs is None else jobs) as executor:
+            yield executor
+
+
+@dataclass(frozen=True)
+class Watch:
+    """Who is told how a run goes.
+
+    Attributes
+    ----------
+    finished : callable (result)
+        Told of every result once it is stored.
+    progress : callable (cell, progress), optional
+        Told a few times a second where the running searches stand.
+    """
+
+    finished: Callable[[Result], None] = lambda result: None
+    progress: Callable[[Cell, Progress], None] | None = None
+
+
+def make_console() -> Console:
+    """Build the console: as wide as the terminal, or wide enough for all tables where there is none.
+
+    Names of joints and cases are people's own, so square brackets and colons in them mean nothing special.
+    """
+    console = Console(markup=False, emoji=False)
+    return console if console.is_terminal else Console(width=180, markup=False, emoji=False)
+
+
+def run_missing(
+    cells: Sequence[Cell],
+    cases: Mapping[str, Case],
+    store: Store,
+    jobs: int | None,
+    console: Console,
+    watch: Watch | None = None,
+    workers: Workers | None = None,
+) -> None:
+    """Run the cells that are not stored yet, with a bar.
+
+    Raises
+    ------
+    Interrupted
+        On Ctrl-C.
+    """
+    workers, watch = workers or Workers(), watch or Watch()
+    missing = list(cells) if workers.fresh else store.missing(cells)
+    console.print(f"{len(cells)} cells, {len(cells) - len(missing)} of them stored already")
+    done = 0
+    with terminal.progress(console) as progress:
+        task = progress.add_task("running", total=len(missing))
+
+        def finished(result: Result) -> None:
+            nonlocal done
+            done += 1
+            progress.update(task, advance=1, description=f"{result.cell.case}: {result.cell.label}")
+            watch.finished(result)
+
+        try:
+            with workers.executor(jobs) as executor:
+                options = RunOptions(workers.fresh, workers.memory, watch.progress)
+                run_cells(missing, cases, store, executor=executor, jobs=jobs, options=options, on_result=finished)
+        except KeyboardInterrupt:
+            raise Interrupted(
+                f"interrupted: {len(cells) - len(missing) + done} of {len(cells)} cells are stored in {store.path}; "
+                "run the same command again to go on, or `study report` to see them"
+            ) from None
+        progress.update(task, description="finished")
+
+
+@contextmanager
+def watching(cases: Mapping[str, Case], live: bool, known: Sequence[Result] = ()) -> Iterator[Watch]:
+    """Give who is to be told how the run goes: with `live` an open viewer, otherwise nobody.
+
+    Parameters
+    ----------
+    cases : mapping of str to Case
+    live : bool
+    known : sequence of Result
+        Stored already; the viewer shows them at once.
+
+    Raises
+    ------
+    StudyError
+        If the viewer or a display is missing.
+    """
+    if not live:
+        yield Watch()
+        return
+    _keep_to_oneself()
+    from study import recording  # here: rerun is slow to import
+
+    with recording.live_recording() as (viewer, _):
+        for result in known:
+            viewer.add(cases[result.cell.case], result)
+        yield Watch(
+            finished=lambda result: viewer.add(cases[result.cell.case], result),
+            progress=lambda cell, progress: viewer.show(cases[cell.case], cell, progress),
+        )
+
+
+def show(
+    cases: Mapping[str, Case],
+    results: Sequence[Result],
+    out: Path,
+    console: Console,
+    with_report: bool = True,
+    interactive: bool = False,
+) -> None:
+    """Print the table of every case and, if so wanted, write the report and the recordings, `interactive` as pages too."""
+    summaries, flagged = summarise(cases, results), audit_flags(out)
+    for summary in summaries:
+        console.print(terminal.methods_table(summary, flagged))
+    if with_report:
+        with console.status("writing the report and the recordings"):
+            page, recordings = write(summaries, out, flagged, interactive)
+        console.print(
+            f"report: {page}", f"recordings: {recordings} (open one with `study view CASE`)", sep="\n", soft_wrap=True
+        )
+    console.print(f"results: {out / STORE_NAME}", soft_wrap=True)
+
+
+def write(
+    summaries: Sequence[CaseSummary],
+    out: Path,
+    flagged: Mapping[str, str],
+    interactive: bool = False,
+) -> tuple[Path, Path]:
+    """Write report and recordings, searches that are flagged marked; where the report's first page and the recordings are."""
+    _keep_to_oneself()
+    from study.recording import forget_pages, interactive_pages, record_case
+    from study.report.page import build_report, slugs, write_viewers  # here: matplotlib and rerun are slow to import
+
+    for summary in summaries:
+        if summary.ran:  # a run that was stopped may not have come to every case
+            record_case(summary, recording_file(out, summary.case.name))
+    forget_pages(out / "report")
+    if interactive:
+        shown = slugs(summary.case for summary in summaries if summary.ran)
+        files = {slug: recording_file(out, case.name) for slug, case in shown.items()}
+        write_viewers(interactive_pages(files, out / "report"), shown, out / "report")
+    sources = remembered_lineup(out / STORE_NAME)[1] if (out / STORE_NAME).is_file() else {}
+    index = build_report(summaries, out / "report", environment(), flagged, sources)
+    return index, out / "recordings"
+
+
+def audit_flags(out: Path) -> dict[str, str]:
+    """Searches that the bias audit of `study compare` flags, with the reason; empty where it has not been made."""
+    from study.comparison.build import flags  # here: the comparison is slow to import
+
+    return flags(out / STORE_NAME)
+
+
+def _keep_to_oneself() -> None:
+    """Nothing leaves the machine; rerun reads this when it is imported."""
+    os.environ["RERUN_ANALYTICS_ENABLED"] = "false"
+
+
+def recording_file(out: Path, name: str) -> Path:
+    """Where the recording of a case stands; its folder is made."""
+    folder = out / "recordings"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder / f"{file_stem(name)}.rrd"
