@@ -1,6 +1,8 @@
 """Do metaheuristic time-optimal trajectory planners beat plain deterministic ones, and by how much?"""
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -23,7 +25,6 @@ _HOMES = {
     "Trajectory": "study.trajectory",
     "Verdict": "study.judge",
     "compare": "study.api",
-    "judge": "study.judge",
     "plan": "study.api",
 }
 """Modules of the public names; each is imported at its first use, so that the command starts at once."""
@@ -52,3 +53,19 @@ def __getattr__(name: str) -> Any:
     value = getattr(import_module(_HOMES[name]), name)
     globals()[name] = value
     return value
+
+
+class _Package(ModuleType):
+    """The package, in which `judge` stays the function although a module has the same name."""
+
+    @property
+    def judge(self) -> Any:
+        """The function `study.judge.judge`."""
+        return import_module("study.judge").judge
+
+    @judge.setter
+    def judge(self, module: ModuleType) -> None:
+        """Pass over the module that Python puts here when it imports `study.judge`."""
+
+
+sys.modules[__name__].__class__ = _Package

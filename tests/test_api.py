@@ -322,3 +322,10 @@ def test_end_condition_decides_the_curve():
     problems = {end: Problem("p", FOUR, JointLimits(V, A, J), end) for end in EndCondition}
     assert [usual_curve(problems[end]) for end in EndCondition] == ["cubic-spline", "cubic-spline", "poly353"]
     assert usual_curve(Problem("p", FOUR[:3], JointLimits(V, A, J), EndCondition.SMOOTH)) == "cubic-spline-smooth"
+
+
+@pytest.mark.parametrize("first", ["study.judge", "study.api", "sys"])
+def test_the_judge_is_a_function_whatever_was_imported_before(first):
+    code = f"import {first}; import study; from study import judge, plan; print(callable(judge), study.judge is judge)"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert ended.stdout.split() == ["True", "True"], ended.stderr
