@@ -203,7 +203,7 @@ def test_the_command_says_what_it_lacks():
 
 
 def test_a_missing_file_of_ours_is_not_taken_for_a_package():
-    code = "import sys; sys.modules['study.cli.terminal'] = None\nfrom study.__main__ import main; main()"
+    code = "import sys; sys.argv = ['study', 'list']; sys.modules['study.cli.terminal'] = None\nfrom study.__main__ import main; main()"
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert ended.returncode == 1
     assert "ModuleNotFoundError" in ended.stderr
