@@ -28,6 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from baselines.free_path.elimination_engine import elimination_for
 from baselines.free_path.line_search import HALVINGS, LineSearch, Measure
 from baselines.free_path.model import Model
 from baselines.free_path.newton import Damping, Frame, Gradient, Newton, gradient
@@ -124,7 +125,7 @@ class Outcome:
 def frame_of(model: Model, free: bool, shares: Floats) -> Frame:
     """Prepare what does not change during a run."""
     bounds = Bounds(model, free)
-    return Frame(model, bounds, Rows(model, bounds), layout_of(model), free, shares)
+    return Frame(model, bounds, Rows(model, bounds), layout_of(model), free, shares, elimination_for(model))
 
 
 def started(frame: Frame, point: Point, mu: float) -> State:

@@ -29,6 +29,8 @@ class Frame:
         Whether widths are unknowns.
     shares : array of shape (n_segments, n_moving, K)
         Shares of the widths in the durations where they are not.
+    elimination : type
+        Code that eliminates the blocks.
     """
 
     model: Model
@@ -37,6 +39,7 @@ class Frame:
     layout: Layout
     free: bool
     shares: Floats
+    elimination: type[Elimination]
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +133,7 @@ class Newton:
         self.frame, self.at = frame, at
         local = curvature(frame.model, frame.bounds, at, rows.pieces(multipliers), rows.pieces(stiffness), costates)
         nodes = rows.nodes(stiffness)
-        elimination = Elimination(frame.model, at, local, frame.free, frame.shares)
+        elimination = frame.elimination(frame.model, at, local, frame.free, frame.shares)
         regularisation = damping.shared
         while True:
             self.blocks, self.regularisation = elimination.blocks(max(regularisation, damping.inner)), regularisation
