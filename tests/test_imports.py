@@ -18,7 +18,7 @@ OWNERS = {
     "ruckig": ("baselines/state_to_state/moves.py",),
     "rerun": ("study/recording/",),
     "matplotlib": tuple(f"study/{part}/figures.py" for part in ("report", "reproduction", "comparison", "bench")),
-    "numba": ("study/curves/compiled/kernels.py",),
+    "numba": ("study/curves/compiled/kernels.py", "baselines/free_path/compiled"),
     "pickle": ("study/runs/pool.py",),  # between the run's own processes only
 }
 

@@ -30,6 +30,10 @@ from baselines.closed_forms import rest_to_rest_time
 from baselines.free_path.question import Flags, FreePathProblem, Integers
 from study.problem import Floats
 
+ROOM = 2e-7
+"""Share of a joint's span by which its range of positions is widened, less than counts as leaving the range: a waypoint on
+the very end of the range then leaves the interior-point method an interior."""
+
 U, SLOPE, MIDDLE, WIDTH, EARLY, LATE = range(6)
 """Quantities that have bounds on a piece; the last two only where a range of positions is held under a jerk limit."""
 
@@ -179,7 +183,8 @@ def _piece_bounds(
         (-1, question.lower, question.range_lower),
         (1, question.upper, question.range_upper),
     ):
-        place = np.where(held, span - question.waypoints[:-1], sign * np.inf)
+        room = sign * ROOM * np.ptp(question.waypoints, axis=0)
+        place = np.where(held, span + room - question.waypoints[:-1], sign * np.inf)
         table = np.concatenate([np.full((2, *place.shape), sign * np.inf), place[None], rates])[:, :, joints]
         slope, u, x1, x2 = (table[kinds + 2 - below, :, joint].T for below in range(4))
         slope = slope * tau[:, None] / units[0]
@@ -199,14 +204,28 @@ def _pins(question: FreePathProblem, joints: Integers, units: Floats) -> tuple[F
     orders, n = _orders(question.kinds[joints]), len(question.waypoints)
     pins = np.full((n, len(joints), 3), np.nan)
     pins[:, orders < 0] = 0.0
-    pins[question.stops] = np.where(orders > 0, 0.0, pins[question.stops])
+    for order, where in ((1, question.stops | (question.dwells > 0)), (2, question.dwells > 0)):
+        pins[where] = np.where(orders == order, 0.0, pins[where])
     for row, state in ((0, question.start), (-1, question.end)):
         for order in (1, 2):
             given = np.broadcast_to(state[order - 1, joints, None] / units.T, orders.shape)
             pins[row] = np.where(orders == order, given, pins[row])
+    pins = np.where((orders == 1) & _touching(question, joints)[:, :, None], 0.0, pins)
     exact = question.tolerance[:, joints, None] == 0
     pins = np.where((orders == 0) & exact, 0.0, pins)
     return np.isfinite(pins), np.nan_to_num(pins)
+
+
+def _touching(question: FreePathProblem, joints: Integers) -> Flags:
+    """Waypoints at the very end of the range of positions: the joint can only turn there, shape (n_waypoints, n_moving)."""
+    points, room = question.waypoints, ROOM * np.ptp(question.waypoints, axis=0)
+    near = (points[:-1] - question.range_lower <= room) | (question.range_upper - points[:-1] <= room)
+    after = (points[1:] - question.range_lower <= room) | (question.range_upper - points[1:] <= room)
+    touching = np.zeros(points.shape, dtype=bool)
+    touching[:-1] |= near
+    touching[1:] |= after
+    touching[[0, -1]] = False
+    return (touching & (question.tolerance == 0))[:, joints]
 
 
 def _node_bounds(question: FreePathProblem, joints: Integers, units: Floats) -> tuple[Floats, Floats]:

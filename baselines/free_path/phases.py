@@ -106,6 +106,6 @@ def _fixed_then_free(model: Model, shares: Floats, point: Point, deadline: float
 
 def _answer(model: Model, outcome: Outcome, iterations: int) -> Answer:
     point = closed(model, outcome.state.point)
-    factor = stretch(model, point)
+    factor = stretch(model, point) if model.question.scalable else 1.0
     motion = realise(model, point)
     return Answer(motion.scaled(factor) if factor > 1 else motion, outcome.ending, iterations, factor)

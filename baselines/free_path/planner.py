@@ -15,6 +15,17 @@ from study.judge import judge
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Problem
 
+KNOWN = RATE_LIMITS | {
+    Demand.POSITION_RANGE,
+    Demand.DIRECTIONAL_LIMITS,
+    Demand.SEGMENT_LIMITS,
+    Demand.MOVING_ENDS,
+    Demand.DIFFERENT_ENDS,
+    Demand.STOPS,
+    Demand.DWELLS,
+    Demand.TOLERANCE,
+}
+
 STATUS = {
     Ending.CONVERGED: Status.FINISHED,
     Ending.LATE: Status.TIMED_OUT,
@@ -36,7 +47,7 @@ class FreePathPlanner:
     pieces: int = 8
     about: ClassVar[str] = "free path in pieces whose widths every joint chooses, optimised by an interior point"
     freedom: ClassVar[Freedom] = Freedom.FREE
-    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS | {Demand.POSITION_RANGE, Demand.DIRECTIONAL_LIMITS}
+    knows: ClassVar[frozenset[Demand]] = KNOWN
     stochastic: ClassVar[bool] = False
 
     def __post_init__(self) -> None:

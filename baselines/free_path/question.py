@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from study.errors import StudyError
-from study.problem import EndCondition, Floats, Problem
-
-STILL = 1e-9
-"""Absolute span, rad or m, below which a joint stands still and stays where it is."""
+from study.problem import Floats, Problem
+from study.tolerances import floors
 
 Flags = NDArray[np.bool_]
 Integers = NDArray[np.intp]
@@ -31,18 +29,16 @@ class FreePathProblem:
     start, end : arrays of shape (2, n_joints), rad/s^k or m/s^k
         Velocity and acceleration at the first and the last instant; NaN where free.
     stops : bool array of shape (n_waypoints,)
-        Waypoints at which all joints stand, with zero acceleration where jerk is limited.
+        Waypoints at which no joint has velocity.
     dwells : array of shape (n_waypoints,), s
-        How long the joints stand there; only at stops and at ends at rest.
+        How long all joints stand at a waypoint, from their arrival on; not at the ends.
     tolerance : array of shape (n_waypoints, n_joints), rad or m
         How far from a waypoint the joint may pass.
-    shortest : float, s
-        Duration below which the motion need not be.
 
     Raises
     ------
     StudyError
-        If an upper limit is not positive or a lower one not negative, or a dwell is asked for where nothing stops.
+        If an upper limit is not positive or a lower one not negative.
     """
 
     waypoints: Floats
@@ -55,14 +51,10 @@ class FreePathProblem:
     stops: Flags
     dwells: Floats
     tolerance: Floats
-    shortest: float = 0.0
 
     def __post_init__(self) -> None:
         if (self.upper <= 0).any() or (self.lower >= 0).any():
             raise StudyError("free path: every limit must leave some room in both directions")
-        passing = np.where(self.stops, 0.0, self.dwells)[1:-1]
-        if np.any(passing > 0):
-            raise StudyError("free path: a dwell is only possible at a waypoint where all joints stop")
 
     @property
     def n_joints(self) -> int:
@@ -79,46 +71,60 @@ class FreePathProblem:
         """Highest limited rate of every joint, shape (n_joints,): 3 jerk, 2 acceleration, 1 velocity, 0 none or still."""
         limited = np.isfinite(np.minimum(-self.lower, self.upper)).any(axis=1)
         highest = (limited * np.arange(1, 4)[:, None]).max(axis=0)
-        return np.where(np.ptp(self.waypoints, axis=0) > STILL, highest, 0)
+        return np.where(np.ptp(self.waypoints, axis=0) > floors(self.waypoints), highest, 0)
+
+    @property
+    def scalable(self) -> bool:
+        """Whether a slower run of a motion meets the demands at both ends: their rates are zero or free."""
+        return not np.nan_to_num([self.start, self.end]).any()
 
     @property
     def rates(self) -> Floats:
         """Limits that hold in both directions, shape (3, n_segments, n_joints)."""
         return np.minimum(-self.lower, self.upper)
 
-    def between(self, first: int, last: int, start: Floats, end: Floats) -> FreePathProblem:
-        """Take the waypoints from first to last alone, with other states at both ends."""
-        segments, points = slice(first, last), slice(first, last + 1)
-        return replace(
-            self,
-            waypoints=self.waypoints[points],
-            lower=self.lower[:, segments],
-            upper=self.upper[:, segments],
-            range_lower=self.range_lower[segments],
-            range_upper=self.range_upper[segments],
-            start=start,
-            end=end,
-            stops=self.stops[points],
-            dwells=self.dwells[points],
-            tolerance=self.tolerance[points],
-        )
-
 
 def of(problem: Problem) -> FreePathProblem:
     """Express a problem of the study."""
-    points, limits = problem.waypoints, problem.limits
-    n_points, n_joints = points.shape
-    state = np.full((2, n_joints), np.nan)
-    state[: {EndCondition.FREE: 0, EndCondition.REST: 1, EndCondition.SMOOTH: 2}[problem.end]] = 0.0
+    lowest, highest = _rates(problem)
+    below, above = _range(problem)
+    points = np.arange(problem.n_waypoints)
     return FreePathProblem(
-        waypoints=points,
-        lower=np.repeat(limits.lowest_rates[:, None], n_points - 1, axis=1),
-        upper=np.repeat(limits.highest_rates[:, None], n_points - 1, axis=1),
-        range_lower=np.tile(limits.lower, (n_points - 1, 1)),
-        range_upper=np.tile(limits.upper, (n_points - 1, 1)),
-        start=state,
-        end=state,
-        stops=np.zeros(n_points, dtype=bool),
-        dwells=np.zeros(n_points),
-        tolerance=np.zeros((n_points, n_joints)),
+        waypoints=problem.waypoints,
+        lower=lowest,
+        upper=highest,
+        range_lower=below,
+        range_upper=above,
+        start=_state(problem, 0),
+        end=_state(problem, 1),
+        stops=np.isin(points, list(problem.stops)),
+        dwells=np.array([problem.dwells.get(int(k), 0.0) for k in points]),
+        tolerance=problem.tolerance,
     )
+
+
+def _rates(problem: Problem) -> tuple[Floats, Floats]:
+    """Limits of rates on every segment, each of shape (3, n_segments, n_joints)."""
+    shape = (3, problem.n_segments, problem.n_joints)
+    lowest = np.broadcast_to(problem.limits.lowest_rates[:, None], shape).copy()
+    highest = np.broadcast_to(problem.limits.highest_rates[:, None], shape).copy()
+    for segment, limits in problem.segment_limits.items():
+        lowest[:, segment] = np.maximum(lowest[:, segment], limits.lowest_rates)
+        highest[:, segment] = np.minimum(highest[:, segment], limits.highest_rates)
+    return lowest, highest
+
+
+def _range(problem: Problem) -> tuple[Floats, Floats]:
+    """Range of positions on every segment, each of shape (n_segments, n_joints)."""
+    below = np.tile(problem.limits.lower, (problem.n_segments, 1))
+    above = np.tile(problem.limits.upper, (problem.n_segments, 1))
+    for segment, limits in problem.segment_limits.items():
+        below[segment] = np.maximum(below[segment], limits.lower)
+        above[segment] = np.minimum(above[segment], limits.upper)
+    return below, above
+
+
+def _state(problem: Problem, side: int) -> Floats:
+    """Velocity and acceleration at an end, shape (2, n_joints), NaN where free."""
+    free = np.full(problem.n_joints, np.nan)
+    return np.stack([free if rate is None else rate for rate in problem.end_states[side].rates])

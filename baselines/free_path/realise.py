@@ -7,8 +7,9 @@ import numpy as np
 from baselines.free_path.elimination import closing_rows, equations_of, split
 from baselines.free_path.model import MIDDLE, SLOPE, Model, U
 from baselines.free_path.pieces import U0, U1, X1, Bounds, H, Point, pieces_at, states_at
-from baselines.free_path.question import STILL, Flags, Integers
+from baselines.free_path.question import Flags, FreePathProblem, Integers
 from study.problem import Floats
+from study.tolerances import floors
 from study.trajectory import Trajectory
 
 SAME = 1e-9
@@ -43,10 +44,10 @@ def stretch(model: Model, point: Point) -> float:
     slope = np.where(h > noise, (u - at.states[U0]) / np.maximum(h, noise), 0.0)
     worst = 1.0
     for below, row, value in ((0, SLOPE, slope), (1, U, u), (2, MIDDLE, x1)):
-        orders = model.kinds - below
-        share = np.maximum(value / model.upper[row][..., None], value / model.lower[row][..., None]).max(axis=(0, 2))
-        rates = orders > 0
-        worst = max(worst, float((np.maximum(share[rates], 0.0) ** (1 / orders[rates])).max(initial=0.0)))
+        rates = model.kinds > below
+        high, low = model.upper[row][:, rates, None], model.lower[row][:, rates, None]
+        share = np.maximum(value[:, rates] / high, value[:, rates] / low).max(axis=(0, 2))
+        worst = max(worst, float((np.maximum(share, 0.0) ** (1 / (model.kinds[rates] - below))).max(initial=0.0)))
     return worst
 
 
@@ -100,8 +101,23 @@ def realise(model: Model, point: Point) -> Trajectory:
     coefficients[:, :, model.joints] = _shifted(pieces, starts, *knots)
     _add_lines(model, point, coefficients, *knots)
     degree = max(int(question.kinds.max()), 1)
-    return Trajectory.from_pieces(
-        knots[2], coefficients[:, : degree + 1], np.bincount(knots[0], minlength=len(durations))
+    segment, _, width = knots
+    segment, width, coefficients = _with_dwells(question, segment, width, coefficients[:, : degree + 1])
+    return Trajectory.from_pieces(width, coefficients, np.bincount(segment, minlength=len(durations)))
+
+
+def _with_dwells(
+    question: FreePathProblem, segment: Integers, width: Floats, coefficients: Floats
+) -> tuple[Integers, Floats, Floats]:
+    """Let all joints stand at the beginning of segments for as long as the question asks."""
+    standing = np.flatnonzero(question.dwells[:-1])
+    first = np.searchsorted(segment, standing)
+    still = coefficients[first]
+    still[:, 1:] = 0.0
+    return (
+        np.insert(segment, first, standing),
+        np.insert(width, first, question.dwells[standing]),
+        np.insert(coefficients, first, still, axis=0),
     )
 
 
@@ -144,7 +160,7 @@ def _add_lines(
     question = model.question
     lines = np.flatnonzero(question.kinds <= 1)
     passed = question.waypoints[:, lines].copy()
-    still = np.ptp(passed, axis=0) <= STILL
+    still = np.ptp(passed, axis=0) <= floors(question.waypoints)[lines]
     passed[:, still] = passed[0, still]
     own = model.kinds == 1
     passed[:, np.isin(lines, model.joints)] += point.nodes[:, own, 0] * model.units[0, own]

@@ -60,7 +60,7 @@ def node_velocities(question: FreePathProblem, durations: Floats) -> Floats:
     at_start, at_end = np.nan_to_num(question.start[0]), np.nan_to_num(question.end[0])
     velocity = np.zeros_like(question.waypoints)
     velocity[0], velocity[-1] = at_start, at_end
-    stops = np.concatenate([[0], np.flatnonzero(question.stops[1:-1]) + 1, [len(knots) - 1]])
+    stops = np.concatenate([[0], np.flatnonzero((question.stops | (question.dwells > 0))[1:-1]) + 1, [len(knots) - 1]])
     for first, last in pairwise(stops):
         if last - first < 2:
             continue

@@ -1,0 +1,126 @@
+"""Everything that a problem may demand: kept by the judge's word, and in use where it binds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from baselines.closed_forms import three_limit_time
+from baselines.free_path.planner import FreePathPlanner
+from study import EndCondition, JointLimits, Problem, judge
+from study.planning import RunSettings, Status
+from study.problem import State
+from tests.helpers.reference_problems import INF
+
+SETTINGS = RunSettings("cubic-spline", time_limit=60.0)
+POINTS = np.cumsum(np.random.default_rng(2).uniform(-0.5, 0.5, (6, 3)), axis=0)
+JERK = JointLimits([1.5] * 3, [5.0] * 3, [50.0] * 3)
+ACCELERATION = JointLimits([1.5] * 3, [5.0] * 3)
+VELOCITY = JointLimits([1.5] * 3)
+MIXED = JointLimits([1.5] * 3, [5.0, 5.0, INF], [50.0, INF, INF])
+KINDS = pytest.mark.parametrize("limits", [JERK, ACCELERATION, MIXED], ids=["jerk", "acceleration", "mixed"])
+
+
+def planned(limits, **demands):
+    problem = Problem("walk", POINTS, limits, **demands)
+    plan = FreePathPlanner().plan(problem, SETTINGS)
+    assert plan.status is Status.FINISHED, plan.message
+    verdict = judge(problem, plan.motion)
+    assert verdict.feasible, verdict.reasons
+    return plan.motion
+
+
+def test_limits_that_differ_by_direction_are_used_in_both():
+    limits = replace(JERK, min_velocity=[-0.7] * 3, min_acceleration=[-2.0] * 3, min_jerk=[-90.0] * 3)
+    motion = planned(limits)
+    assert motion.extrema(1).lowest.min() == pytest.approx(-0.7, rel=1e-5)
+    assert motion.extrema(2).lowest.min() == pytest.approx(-2.0, rel=1e-5)
+    assert motion.extrema(2).highest.max() == pytest.approx(5.0, rel=1e-5)
+
+
+def test_time_reversed_directions_take_the_same_time():
+    """Run backwards, velocity changes its sign, acceleration does not, jerk does again."""
+    limits = JointLimits([1.5] * 3, [5.0] * 3, [50.0] * 3, min_velocity=[-0.9] * 3, min_acceleration=[-3.0] * 3)
+    back = JointLimits([0.9] * 3, [5.0] * 3, [50.0] * 3, min_velocity=[-1.5] * 3, min_acceleration=[-3.0] * 3)
+    there = planned(limits).duration
+    problem = Problem("back", POINTS[::-1], back)
+    assert FreePathPlanner().plan(problem, SETTINGS).motion.duration == pytest.approx(there, rel=1e-4)
+
+
+def halves(limits, at_the_stop):
+    """Duration of the two parts of the walk, planned alone."""
+    first = Problem("first", POINTS[:4], limits, start=EndCondition.REST, finish=at_the_stop)
+    second = Problem("second", POINTS[3:], limits, start=at_the_stop, finish=EndCondition.REST)
+    return sum(FreePathPlanner().plan(half, SETTINGS).motion.duration for half in (first, second))
+
+
+@KINDS
+def test_a_stop_splits_the_problem_in_two(limits):
+    """Acceleration need not vanish at a stop, but must not jump there where jerk is limited."""
+    whole = planned(limits, stops=[3])
+    held = np.flatnonzero(np.isfinite(limits.acceleration))
+    assert np.abs(whole(whole.waypoint_times[3:4], 1)[0, held]).max() < 1e-9
+    loose, tight = halves(limits, EndCondition.REST), halves(limits, EndCondition.SMOOTH)
+    assert loose * (1 - 1e-4) <= whole.duration <= tight * (1 + 1e-4)
+
+
+@KINDS
+def test_a_dwell_is_spent_standing(limits):
+    motion = planned(limits, dwells={2: 0.4})
+    arrived = motion.waypoint_times[2]
+    standing = motion(np.linspace(arrived, arrived + 0.4, 9))
+    assert np.ptp(standing, axis=0).max() < 1e-12
+    assert motion.duration > planned(limits).duration + 0.4
+
+
+def test_moving_ends_are_met_and_change_the_duration():
+    start, finish = State([0.5, -0.3, 0.2], [1.0, 0.0, 0.0]), State([-0.4, 0.1, 0.0])
+    motion = planned(JERK, start=start, finish=finish)
+    np.testing.assert_allclose(motion(np.zeros(1), 1)[0], start.velocity, atol=1e-9)
+    np.testing.assert_allclose(motion(np.zeros(1), 2)[0], start.acceleration, atol=1e-9)
+    np.testing.assert_allclose(motion(np.array([motion.duration]), 1)[0], finish.velocity, atol=1e-9)
+
+
+def test_a_piece_of_a_fastest_motion_is_a_fastest_motion():
+    whole = planned(JERK, end=EndCondition.SMOOTH)
+    at = whole.waypoint_times[2:3]
+    rest = Problem("rest", POINTS[2:], JERK, start=State(whole(at, 1)[0], whole(at, 2)[0]), finish=EndCondition.SMOOTH)
+    plan = FreePathPlanner().plan(rest, SETTINGS)
+    assert judge(rest, plan.motion).feasible
+    assert plan.motion.duration == pytest.approx(whole.duration - at[0], rel=1e-4)
+
+
+def test_different_ends_lie_between_equal_ones():
+    loose, tight = (planned(JERK, end=end).duration for end in (EndCondition.FREE, EndCondition.SMOOTH))
+    mixed = planned(JERK, start=EndCondition.SMOOTH, finish=EndCondition.FREE).duration
+    assert loose < mixed < tight
+
+
+@pytest.mark.parametrize("limits", [JERK, ACCELERATION], ids=["jerk", "acceleration"])
+def test_limits_of_one_segment_bind_there(limits):
+    slow = replace(limits, velocity=[0.3] * 3, min_velocity=[-0.3] * 3)
+    motion = planned(limits, segment_limits={1: slow})
+    part = motion.between(*motion.waypoint_times[1:3])
+    assert part.extrema(1).peak.max() == pytest.approx(0.3, rel=1e-5)
+    assert motion.extrema(1).peak.max() > 1.0
+
+
+@pytest.mark.parametrize("limits", [JERK, ACCELERATION, VELOCITY], ids=["jerk", "acceleration", "velocity"])
+def test_a_tolerance_is_used_to_its_end(limits):
+    motion = planned(limits, tolerance=0.02)
+    errors = np.abs(motion(motion.waypoint_times) - POINTS)
+    assert errors.max() == pytest.approx(0.02, rel=1e-4)
+    assert motion.duration < planned(limits).duration
+
+
+def test_a_tolerance_at_the_target_shortens_a_straight_move_by_as_much():
+    problem = Problem("line", [[0.0], [0.5]], JointLimits([1.5], [5.0], [50.0]), EndCondition.SMOOTH, tolerance=0.01)
+    plan = FreePathPlanner().plan(problem, SETTINGS)
+    assert plan.motion.duration == pytest.approx(float(three_limit_time(0.48, 1.5, 5.0, 50.0)), rel=1e-5)
+
+
+@KINDS
+def test_a_range_that_ends_at_the_waypoints_is_kept(limits):
+    low, high = POINTS.min(axis=0), POINTS.max(axis=0)
+    motion = planned(replace(limits, lower=low, upper=high))
+    assert motion.duration >= planned(limits).duration * (1 - 1e-6)
