@@ -1,7 +1,11 @@
-"""Remember that a planner looked at the clock and stopped: what it then answers may be another answer on another machine."""
+"""Deadlines of planners on one clock, and a record of whether a deadline cut a planner short.
+
+A result that a deadline cut short is not reproducible: on another machine, or with more time, it may be another.
+"""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -9,7 +13,7 @@ from dataclasses import dataclass
 
 
 @dataclass
-class Watch:
+class Record:
     """Whether a deadline was reached.
 
     Attributes
@@ -20,26 +24,56 @@ class Watch:
     reached: bool = False
 
 
-_watch: ContextVar[Watch | None] = ContextVar("watch", default=None)
+_record: ContextVar[Record | None] = ContextVar("record", default=None)
+
+
+@dataclass(frozen=True)
+class Deadline:
+    """An instant at which a planner stops by itself.
+
+    Attributes
+    ----------
+    instant : float, s
+        On the monotonic clock; infinite where there is no deadline.
+    """
+
+    instant: float
+
+    @classmethod
+    def after(cls, seconds: float) -> Deadline:
+        """Set a deadline so many seconds from now."""
+        return cls(time.monotonic() + seconds)
+
+    def within(self, seconds: float) -> Deadline:
+        """Take the earlier of this deadline and one so many seconds from now."""
+        return Deadline(min(self.instant, time.monotonic() + seconds))
+
+    def left(self) -> float:
+        """Seconds that are left, at least 0."""
+        return max(self.instant - time.monotonic(), 0.0)
+
+    def passed(self) -> bool:
+        """Whether it is too late; if so, whoever watches the planner learns of it, however deep inside it asked."""
+        return noted(time.monotonic() >= self.instant)
+
+
+NEVER = Deadline(float("inf"))
 
 
 def noted(late: bool) -> bool:
-    """Return whether it is too late, and note it if so.
-
-    Every planner asks its clock through this, however deep inside, so that whoever runs the planner learns of it.
-    """
-    watch = _watch.get()
-    if late and watch is not None:
-        watch.reached = True
+    """Return whether it is too late, as a solver with a clock of its own may say, and record it if so."""
+    record = _record.get()
+    if late and record is not None:
+        record.reached = True
     return late
 
 
 @contextmanager
-def watched() -> Iterator[Watch]:
+def watched() -> Iterator[Record]:
     """Learn whether any deadline is reached in this block."""
-    watch = Watch()
-    token = _watch.set(watch)
+    record = Record()
+    token = _record.set(record)
     try:
-        yield watch
+        yield record
     finally:
-        _watch.reset(token)
+        _record.reset(token)

@@ -74,9 +74,14 @@ class Verdict:
         return float(self.ratios.max())
 
     @property
+    def least_scale(self) -> float:
+        """Factor of all times at which the motion touches a limit of rates; below 1 where it may be run faster."""
+        return float((self.ratios.max(axis=1) ** (1.0 / np.arange(1, 4))).max())
+
+    @property
     def stretch(self) -> float:
         """Slow-down factor, at least 1, after which the motion keeps every limit of rates; time scaling is exact."""
-        return max(1.0, float((self.ratios.max(axis=1) ** (1.0 / np.arange(1, 4))).max()))
+        return max(1.0, self.least_scale)
 
 
 def judge(problem: Problem, motion: Motion) -> Verdict:

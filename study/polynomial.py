@@ -6,6 +6,8 @@ in [0, 1]; slots without a root hold another point of the interval, which never 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from study.problem import Floats
@@ -59,6 +61,29 @@ def stretched(coefficients: Floats, width: Floats | float) -> Floats:
 def clipped(coefficients: Floats, start: float, stop: float) -> Floats:
     """Take the part between start and stop, over [0, 1] again."""
     return stretched(shifted(coefficients, start), stop - start)
+
+
+def composed(outer: Floats, inner: Floats) -> Floats:
+    """Put one batch of polynomials into another, outer(inner(u)); leading axes broadcast."""
+    result = outer[..., -1:]
+    for power in reversed(range(outer.shape[-1] - 1)):
+        result = product(result, inner)
+        result[..., 0] += outer[..., power]
+    return result
+
+
+def hermite_quintic(step: Any, v0: Any, v1: Any, a0: Any, a1: Any) -> tuple[Any, Any, Any, Any, Any]:
+    """Coefficients of u to u^5 of the quintic from 0 to a step with given rates at both ends of the unit interval.
+
+    Parameters
+    ----------
+    step, v0, v1, a0, a1 : arrays or symbolic expressions of one shape
+        Position at the end; first and second derivative at the start and at the end, by u.
+    """
+    c3 = 10 * step - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1
+    c4 = -15 * step + 8 * v0 + 7 * v1 + 1.5 * a0 - a1
+    c5 = 6 * step - 3 * (v0 + v1) + 0.5 * (a1 - a0)
+    return v0, 0.5 * a0, c3, c4, c5
 
 
 def roots(coefficients: Floats) -> Floats:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from study.deadline import noted
+from study.deadline import Deadline
 from study.problem import Floats
 
-Bound = Callable[[Floats, Floats], Floats]
+BoxBound = Callable[[Floats, Floats], Floats]
 Value = Callable[[Floats], Floats]
 
 
@@ -39,7 +38,14 @@ class Enclosure:
 
 
 def enclose(
-    bound: Bound, value: Value, box: tuple[Floats, Floats], upper: float, *, gap: float, deadline: float, most: int
+    bound: BoxBound,
+    value: Value,
+    box: tuple[Floats, Floats],
+    upper: float,
+    *,
+    gap: float,
+    deadline: Deadline,
+    most: int,
 ) -> Enclosure:
     """Split boxes in halves along their widest side until none can hold a value below upper (1 - gap).
 
@@ -54,8 +60,7 @@ def enclose(
         A value that is reached somewhere.
     gap : float
         Relative.
-    deadline : float
-        Reading of `time.perf_counter`.
+    deadline : Deadline
     most : int
         Boxes after which to give up; the bounds hold all the same.
     """
@@ -67,7 +72,7 @@ def enclose(
         upper, point = _improved(value, low, high, bounds, upper, point)
         open_ = bounds < upper * (1 - gap)
         lower = min(lower, float(bounds[~open_].min(initial=np.inf)))
-        if boxes > most or noted(time.perf_counter() > deadline):
+        if boxes > most or deadline.passed():
             lower = min(lower, float(bounds.min()))
             return Enclosure(min(lower, upper), upper, point, boxes, not open_.any())
         low, high = halves(low[open_], high[open_])

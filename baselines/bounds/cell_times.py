@@ -1,11 +1,11 @@
-"""How soon can one joint be at the next waypoint, if all that is known of its velocities at both are two intervals?
+"""Shortest time of one joint to the next waypoint when its velocities at both are known only as intervals.
 
 Let a and b be the upper ends of the intervals, T the time and d >= 0 the distance (the mirrored case is the same). The
 velocity never exceeds any of these curves over the segment, so the displacement never exceeds their integrals:
 
 - min(a + A t, b + A (T - t), V), from the acceleration and velocity limits: `reach`;
 - a + (b - a) t / T + J t (T - t) / 2, from the jerk limit: the difference of the velocity and this parabola is convex, as
-  its second derivative is at least -J + J = 0, and not positive at both ends: `bend_reach`, (a + b) T / 2 + J T^3 / 12.
+  its second derivative is at least -J + J = 0, and not positive at both ends: `jerk_reach`, (a + b) T / 2 + J T^3 / 12.
 
 From d > 0 on either integral grows with T, so d is reached no sooner than at its last crossing with d. Mirrored, with the
 lower ends of the intervals, the displacement is never less than the negative of such an integral; a T at which that
@@ -71,13 +71,13 @@ def last_crossing(distance: float, a: Floats, b: Floats, velocity: float, accele
     return np.maximum(np.where(w >= high, late, np.where(single >= 0, early, 0.0)), 0.0)
 
 
-def bend_reach(time: Floats, a: Floats, b: Floats, jerk: float) -> Floats:
+def jerk_reach(time: Floats, a: Floats, b: Floats, jerk: float) -> Floats:
     """Integral of the parabola from a to b that bends with J, over [0, T]."""
     return (a + b) / 2 * time + jerk / 12 * time**3
 
 
-def last_bend_crossing(distance: float, a: Floats, b: Floats, jerk: float) -> Floats:
-    """Largest T with bend_reach(T; a, b) = distance, s; 0 where there is none.
+def last_jerk_crossing(distance: float, a: Floats, b: Floats, jerk: float) -> Floats:
+    """Largest T with jerk_reach(T; a, b) = distance, s; 0 where there is none.
 
     Cardano's formula for T^3 + p T + q = 0, and Newton's steps against its cancellation; at a largest root the cubic
     rises, so the steps are safe.
@@ -118,11 +118,11 @@ def shortest_times(distance: float, start: Cells, end: Cells, rates: Floats, at_
     if d > 0:
         time = np.maximum(time, last_crossing(d, a, b, velocity, acceleration))
         if np.isfinite(jerk):
-            time = np.maximum(time, last_bend_crossing(d, a, b, jerk) * (1 - SAFETY))
+            time = np.maximum(time, last_jerk_crossing(d, a, b, jerk) * (1 - SAFETY))
     a, b = -start.low[:, None], -end.low[None]
     if np.isfinite(jerk):
-        late = last_bend_crossing(-d, a, b, jerk) * (1 - SAFETY)
-        time = _past_gap(time, bend_reach(time, a, b, jerk), late, d, np.abs(a) + np.abs(b))
+        late = last_jerk_crossing(-d, a, b, jerk) * (1 - SAFETY)
+        time = _past_gap(time, jerk_reach(time, a, b, jerk), late, d, np.abs(a) + np.abs(b))
     late = last_crossing(-d, a, b, velocity, acceleration)
     return _past_gap(time, reach(time, a, b, velocity, acceleration), late, d, np.abs(a) + np.abs(b))
 

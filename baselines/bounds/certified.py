@@ -1,27 +1,27 @@
-"""The global optimum of 3-5-3 problems, with a proven lower bound, by branch and bound over two duration ratios.
+"""Global optimum of 3-5-3 problems, with a proven lower bound, by branch and bound over two duration ratios.
 
 Of B-splines and short clamped cubic splines the NLP's answer is enclosed too, less tightly: the first by a linear programme from
-velocity limits (`_family_bspline.velocity_bound`), the second by branch and bound over durations (`_bounds_spline`).
+velocity limits (`bspline_curve.velocity_bound`), the second by branch and bound over durations (`cubic_spline`).
 
 The upper bound is a motion that is exactly feasible: the NLP's, or better where the middle of a box is better. The lower bound
-needs neither the NLP nor the upper bound to be good; see `_bounds353` for the proof and for rounding.
+needs neither the NLP nor the upper bound to be good; see `poly353` for the proof and for rounding.
 """
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
+from baselines.base import Deterministic, longest, parts, where_something_moves
 from baselines.bounds.branch_bound import Enclosure, enclose
 from baselines.bounds.cubic_spline import shortest_durations, spline_bound
 from baselines.bounds.poly353 import Bounds353
 from baselines.segment_times.bspline_curve import velocity_bound
 from baselines.segment_times.nlp import optimise
 from study.curves import curve_named
-from study.deadline import noted
+from study.deadline import Deadline
 from study.formulation import Scaled
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status, Synchronisation
 from study.problem import Demand, Floats, Problem
@@ -84,7 +84,7 @@ def _spline_obstacle(problem: Problem) -> str:
     return ""
 
 
-def enclose_curve(problem: Problem, curve: str, *, seed: int, time_limit: float, deadline: float) -> Certificate:
+def enclose_curve(problem: Problem, curve: str, *, seed: int, time_limit: float, deadline: Deadline) -> Certificate:
     """Enclose the shortest total time on any curve for which `obstacle` is empty, all joints together.
 
     Only for 3-5-3 curves is the gap always closed; the others keep one, which is stated.
@@ -97,8 +97,8 @@ def enclose_curve(problem: Problem, curve: str, *, seed: int, time_limit: float,
         Of the NLP's starts.
     time_limit : float, s
         This problem's share.
-    deadline : float, s
-        Of all shares, on the clock of `time.perf_counter`: after it the NLP is left out and boxes are not cut any more. Both
+    deadline : Deadline
+        Of all shares: after it the NLP is left out and boxes are not cut any more. Both
         bounds hold all the same.
 
     Raises
@@ -106,7 +106,7 @@ def enclose_curve(problem: Problem, curve: str, *, seed: int, time_limit: float,
     StudyError
         If the curve does not fit the waypoints.
     """
-    if noted(time.perf_counter() > deadline):
+    if deadline.passed():
         time_limit = 0.0
     if curve == "poly353":
         return certify(problem, seed=seed, time_limit=time_limit)
@@ -141,7 +141,7 @@ def certify(problem: Problem, *, seed: int = 0, time_limit: float = 60.0) -> Cer
     StudyError
         If there are not four waypoints.
     """
-    began = time.perf_counter()
+    deadline = Deadline.after(time_limit)
     bounds, scaled = Bounds353(problem), Scaled(problem, curve_named("poly353"))
     durations = _reachable(problem, scaled, seed, time_limit)
     upper = float(durations.sum())
@@ -149,12 +149,10 @@ def certify(problem: Problem, *, seed: int = 0, time_limit: float = 60.0) -> Cer
     def value(points: Floats) -> Floats:
         return scaled(bounds.durations(points))
 
-    found: Enclosure = enclose(
-        bounds, value, bounds.box(upper), upper, gap=GAP, deadline=began + time_limit, most=MOST_BOXES
-    )
-    if found.point is not None:
-        durations = scaled.durations(bounds.durations(found.point[None]))[0]
-    return Certificate(found.lower, float(durations.sum()), durations, found.boxes, found.finished)
+    enclosure: Enclosure = enclose(bounds, value, bounds.box(upper), upper, gap=GAP, deadline=deadline, most=MOST_BOXES)
+    if enclosure.point is not None:
+        durations = scaled.durations(bounds.durations(enclosure.point[None]))[0]
+    return Certificate(enclosure.lower, float(durations.sum()), durations, enclosure.boxes, enclosure.finished)
 
 
 def _reachable(problem: Problem, scaled: Scaled, seed: int, time_limit: float) -> Floats:
@@ -172,50 +170,36 @@ def _optimum(problem: Problem, curve: str, seed: int, time_limit: float) -> Floa
 
 
 @dataclass(frozen=True)
-class Certified:
-    """The planner `certified`."""
+class Certified(Deterministic):
+    """Planner `certified`."""
 
     about: ClassVar[str] = "the global optimum on the curve by branch and bound, with a proof"
     freedom: ClassVar[Freedom] = Freedom.CURVE
-    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
-    stochastic: ClassVar[bool] = False
 
+    @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Certify all joints together, or each alone and then take the longest duration of every segment.
 
-        The bounds in the details belong to the shared problem, or are the largest of the joints' own: no motion of all
-        joints is shorter than the slowest joint alone.
-
-        Raises
-        ------
-        StudyError
-            If CasADi is missing.
+        The bounds belong to the shared problem, or are the largest of the joints' own: no motion of all joints is shorter
+        than the slowest joint alone.
         """
-        alone = settings.synchronisation is Synchronisation.PER_JOINT
-        parts = [problem.joint(j) for j in range(problem.n_joints)] if alone else [problem]
-        reason = next((text for text in (obstacle(part, settings.curve) for part in parts) if text), "")
+        problems, deadline = parts(problem, settings), Deadline.after(settings.time_limit)
+        reason = next((text for text in (obstacle(part, settings.curve) for part in problems) if text), "")
         if reason:
             return Plan(Status.NOT_APPLICABLE, message=reason)
-        share, deadline = settings.time_limit / len(parts), time.perf_counter() + settings.time_limit
-        found = [
-            enclose_curve(part, settings.curve, seed=settings.seed, time_limit=share, deadline=deadline)
-            for part in parts
+        share, seed = settings.time_limit / len(problems), settings.seed
+        certificates = [
+            enclose_curve(part, settings.curve, seed=seed, time_limit=share, deadline=deadline) for part in problems
         ]
-        durations = np.max([one.durations for one in found], axis=0)
-        finished = all(one.finished for one in found)
-        gap = max(one.upper / one.lower - 1 if one.lower else np.inf for one in found)
+        durations = longest(part.durations for part in certificates)
+        finished = all(part.finished for part in certificates)
+        gap = max(part.upper / part.lower - 1 if part.lower else np.inf for part in certificates)
+        boxes = sum(part.boxes for part in certificates)
         return Plan(
             Status.FINISHED if finished else Status.NOT_CONVERGED,
             motion=curve_named(settings.curve).motion(problem.waypoints, durations),
             durations=durations,
-            iterations=sum(one.boxes for one in found),
+            iterations=boxes,
             message="" if finished else f"both bounds hold, but they are {gap:.2g} of the time apart",
-            details={
-                "lower_bound": max(one.lower for one in found),
-                "upper_bound": max(one.upper for one in found),
-                "boxes": float(sum(one.boxes for one in found)),
-            },
+            details={"lower_bound": max(part.lower for part in certificates), "upper_bound": max(part.upper for part in certificates), "boxes": float(boxes)},
         )
-
-
-CERTIFIED = Certified()

@@ -1,4 +1,4 @@
-"""A lower bound on the total time of clamped cubic splines with few segments: branch and bound over boxes of durations.
+"""Lower bound on the total time of clamped cubic splines with few segments, by branch and bound over boxes of durations.
 
 On a box of durations h the spline is relaxed to a linear programme that minimises their sum. With w = 1/h, v the velocities
 at the waypoints and d the steps, all of one joint,
@@ -23,15 +23,14 @@ G. P. McCormick, Computability of global solutions to factorable nonconvex progr
 from __future__ import annotations
 
 import heapq
-import time
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy import sparse
 from scipy.optimize import linprog
 
-from study.deadline import noted
+from baselines.units import dimensionless, largest_steps
+from study.deadline import NEVER, Deadline
 from study.problem import Floats, Problem
 
 SAFETY = 1e-5
@@ -48,34 +47,9 @@ SHORTEST = 1e-3
 """Lower bound on a duration, over the mean, below which the linear programmes are ill-posed."""
 
 
-@dataclass(frozen=True, eq=False)
-class Units:
-    """A problem with times in units of `time` and every joint's positions in units of its own.
-
-    Attributes
-    ----------
-    time : float, s
-    length : array of shape (n_joints,), rad or m
-    steps : array of shape (n_segments, n_joints)
-    rates : array of shape (3, n_joints)
-    """
-
-    time: float
-    length: Floats
-    steps: Floats
-    rates: Floats
-
-    @classmethod
-    def of(cls, problem: Problem, total: float) -> Units:
-        """Take the mean duration for the unit of time, and the largest step for that of a joint's positions."""
-        time, steps = total / problem.n_segments, np.diff(problem.waypoints, axis=0)
-        length = np.where(np.abs(steps).max(axis=0) > 0, np.abs(steps).max(axis=0), 1.0)
-        return cls(time, length, steps / length, problem.limits.rates * time ** np.arange(1, 4)[:, None] / length)
-
-
-def velocity_ranges(units: Units, w_low: Floats, w_high: Floats) -> tuple[Floats, Floats]:
+def velocity_ranges(problem: Problem, w_low: Floats, w_high: Floats) -> tuple[Floats, Floats]:
     """Enclose the velocities at all waypoints, two arrays of shape (n_waypoints, n_joints); crossed where there are none."""
-    steps, limit = units.steps, units.rates[0]
+    steps, limit = np.diff(problem.waypoints, axis=0), problem.limits.velocity
     dw = np.sort([steps * w_low[:, None], steps * w_high[:, None]], axis=0)
     share_low = (w_low[1:] / (w_high[:-1] + w_low[1:]))[:, None]
     share_high = (w_high[1:] / (w_low[:-1] + w_high[1:]))[:, None]
@@ -107,7 +81,7 @@ def _mean_ends(values: Floats, share_low: Floats, share_high: Floats, pick: Any)
     return np.asarray(pick(before + share_low * (after - before), before + share_high * (after - before)))
 
 
-class Rows:
+class TripleRows:
     """Collect rows of the linear programme as index and value triples."""
 
     def __init__(self) -> None:
@@ -137,11 +111,12 @@ class Relaxation:
     x and y are the products of w with the velocities at the start and at the end of the segment.
     """
 
-    def __init__(self, units: Units, low: Floats, high: Floats) -> None:
-        self.units, self.low, self.high = units, low, high
-        self.n, self.joints = len(units.steps), len(units.length)
-        self.v_low, self.v_high = velocity_ranges(units, 1 / high, 1 / low)
-        self.rows, self.equal = Rows(), Rows()
+    def __init__(self, problem: Problem, low: Floats, high: Floats) -> None:
+        self.problem, self.low, self.high = problem, low, high
+        self.n, self.joints = problem.n_segments, problem.n_joints
+        self.steps = np.diff(problem.waypoints, axis=0)
+        self.v_low, self.v_high = velocity_ranges(problem, 1 / high, 1 / low)
+        self.rows, self.equal = TripleRows(), TripleRows()
 
     @property
     def n_columns(self) -> int:
@@ -172,11 +147,11 @@ class Relaxation:
             equal = {"A_eq": self.equal.matrix(self.n_columns), "b_eq": np.array(self.equal.right)}
         rows, right = self.rows.matrix(self.n_columns), np.array(self.rows.right)
         solve: Any = linprog  # its stubs know no arguments that depend on the rows
-        found = solve(cost, rows, right, bounds=np.concatenate(bounds), method="highs", **equal)
-        if found.status == INFEASIBLE:
+        solved = solve(cost, rows, right, bounds=np.concatenate(bounds), method="highs", **equal)
+        if solved.status == INFEASIBLE:
             return np.inf
         shortest = float(self.low.sum())  # all that is known where the solver gives up
-        return shortest if found.fun is None else max(float(found.fun) * (1 - SAFETY), shortest)
+        return shortest if solved.fun is None else max(float(solved.fun) * (1 - SAFETY), shortest)
 
     def _powers(self, i: int) -> None:
         """Tangents and secants of w = 1/h and q = w^2."""
@@ -188,7 +163,7 @@ class Relaxation:
         self.rows.add({2 * n + i: 1.0, n + i: -(1 / low + 1 / high)}, -1 / (low * high))
 
     def _joint(self, j: int) -> None:
-        n, steps, (velocity, acceleration, jerk) = self.n, self.units.steps[:, j], self.units.rates[:, j]
+        n, steps, (velocity, acceleration, jerk) = self.n, self.steps[:, j], self.problem.limits.rates[:, j]
         v, x, y = self.columns(j)
         starts = [{2 * n + i: 6 * steps[i], x + i: -4.0, y + i: -2.0} for i in range(n)]
         stops = [{2 * n + i: -6 * steps[i], x + i: 2.0, y + i: 4.0} for i in range(n)]
@@ -225,7 +200,7 @@ def shortest_durations(problem: Problem) -> Floats:
 
 
 def spline_bound(
-    problem: Problem, total: float, most: int = 200, gap: float = 1e-3, deadline: float = np.inf
+    problem: Problem, total: float, most: int = 200, gap: float = 1e-3, deadline: Deadline = NEVER
 ) -> tuple[float, int]:
     """Bound the total time of all clamped cubic splines through the waypoints from below.
 
@@ -238,8 +213,8 @@ def spline_bound(
         Linear programmes at most.
     gap : float
         Relative distance to `total` at which it ends.
-    deadline : float, s
-        On the clock of `time.perf_counter`: after it no box is cut any more. The bound holds all the same.
+    deadline : Deadline
+        After it no box is cut any more. The bound holds all the same.
 
     Returns
     -------
@@ -247,7 +222,7 @@ def spline_bound(
     boxes : int
         Linear programmes solved.
     """
-    units = Units.of(problem, total)
+    scaled, units = dimensionless(problem, total / problem.n_segments, largest_steps(problem))
     unit, ceiling = units.time, total / units.time
     low = shortest_durations(problem) / unit
     if (low < SHORTEST).any():
@@ -255,7 +230,7 @@ def spline_bound(
     heap: list[tuple[float, int, Floats, Floats]] = [(float(low.sum()), 0, low, np.full(len(low), np.inf))]
     done = 0
     while heap and done < most and heap[0][0] < ceiling * (1 - gap):
-        if noted(time.perf_counter() > deadline):
+        if deadline.passed():
             break
         known, _, low, high = heapq.heappop(heap)
         for lower, upper in [(low, high)] if done == 0 else _halves(low, high):
@@ -263,7 +238,7 @@ def spline_bound(
             if (upper < lower).any():
                 continue
             done += 1
-            value = Relaxation(units, lower, np.maximum(upper, lower * (1 + SAFETY))).solve()
+            value = Relaxation(scaled, lower, np.maximum(upper, lower * (1 + SAFETY))).solve()
             if value < ceiling:
                 heapq.heappush(heap, (max(value, known), done, lower, upper))
     return min(heap[0][0] if heap else ceiling, ceiling) * unit * (1 - SAFETY), done

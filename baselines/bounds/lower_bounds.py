@@ -1,4 +1,4 @@
-"""A time below which no motion through the waypoints can stay, whatever curve it takes: the sandwich's lower half.
+"""Lower bound on the duration of every motion through the waypoints, whatever curve it takes.
 
 Proof. Take any motion that passes the waypoints within the limits; let T_i be the time that it spends in segment i, and v_i
 the velocity of one joint at waypoint i. Ranges of positions and end accelerations only make the set of motions smaller, so
@@ -31,7 +31,6 @@ first and the last cell are the point 0; where the end condition is free, all ce
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import reduce
@@ -44,7 +43,7 @@ from numpy.typing import NDArray
 from baselines.bounds.cell_times import SAFETY, Cells, shortest_times
 from baselines.bounds.chain_weights import chain_weights
 from baselines.closed_forms import rest_to_rest_time
-from study.deadline import noted
+from study.deadline import NEVER, Deadline
 from study.problem import EndCondition, Floats, Problem
 
 SMOOTHING = 0.5
@@ -56,15 +55,15 @@ ROUNDS, TOLERANCE = 60, 1e-4
 T = TypeVar("T")
 
 
-class Late(Exception):
+class DeadlineExceeded(Exception):
     """The deadline came in the middle of a step; what the steps before it proved holds."""
 
 
-def in_time(items: Iterable[T], deadline: float) -> Iterator[T]:
-    """Hand items out as long as the deadline, on the clock of `time.monotonic`, is not past; then raise `Late`."""
+def in_time(items: Iterable[T], deadline: Deadline) -> Iterator[T]:
+    """Hand items out until the deadline; then raise `DeadlineExceeded`."""
     for item in items:
-        if noted(time.monotonic() > deadline):
-            raise Late
+        if deadline.passed():
+            raise DeadlineExceeded
         yield item
 
 
@@ -139,8 +138,8 @@ def first_cells(problem: Problem, n_cells: int, known: float) -> Grid:
     return grid
 
 
-def all_chains(problem: Problem, grid: Grid, deadline: float = np.inf) -> list[Chains]:
-    """Steps 1 and 2 for every joint; raises `Late` where the deadline comes first."""
+def all_chains(problem: Problem, grid: Grid, deadline: Deadline = NEVER) -> list[Chains]:
+    """Steps 1 and 2 for every joint; raises `DeadlineExceeded` where the deadline comes first."""
     at_least = np.zeros(problem.n_segments)
     for _ in range(2):
         joints = [_chains(problem, j, cells, at_least, deadline) for j, cells in enumerate(grid)]
@@ -148,7 +147,7 @@ def all_chains(problem: Problem, grid: Grid, deadline: float = np.inf) -> list[C
     return joints
 
 
-def _chains(problem: Problem, joint: int, cells: list[Cells], at_least: Floats, deadline: float) -> Chains:
+def _chains(problem: Problem, joint: int, cells: list[Cells], at_least: Floats, deadline: Deadline) -> Chains:
     rates, steps = problem.limits.rates[:, joint], np.diff(problem.waypoints[:, joint])
     pairs = zip(steps.tolist(), at_least.tolist(), cells[:-1], cells[1:], strict=True)
     if np.isinf(cells[1].high).any():
@@ -157,8 +156,8 @@ def _chains(problem: Problem, joint: int, cells: list[Cells], at_least: Floats, 
 
 
 @dataclass(frozen=True, eq=False)
-class Bound:
-    """A lower bound and how it was found.
+class Proof:
+    """Lower bound with the effort behind it.
 
     Attributes
     ----------
@@ -181,8 +180,8 @@ def bound(
     n_cells: int = 64,
     refinements: int = 3,
     most_cells: int = 160,
-    deadline: float = np.inf,
-) -> Bound:
+    deadline: Deadline = NEVER,
+) -> Proof:
     """Bound the duration of all motions from below.
 
     Parameters
@@ -197,8 +196,8 @@ def bound(
         How often cells are dropped and halved.
     most_cells : int
         Cells at one waypoint and joint that are not halved further.
-    deadline : float, s
-        On the clock of `time.monotonic`: after it the best bound so far is returned, at first that of the velocity limits.
+    deadline : Deadline
+        After it the best bound so far is returned, at first that of the velocity limits.
     """
     stops = float(rest_to_rest_time(np.diff(problem.waypoints, axis=0), problem.limits.rates).max(axis=1).sum())
     known, problem = min(known, stops) * (1 + SAFETY), with_implied_acceleration(problem)
@@ -206,18 +205,18 @@ def bound(
     for step in range(refinements + 1):
         try:
             joints = all_chains(problem, grid, deadline)
-        except Late:
+        except DeadlineExceeded:
             best = best or straight_time(problem)
             break
         value, weights, count = best_weights(joints, deadline)
         before, best, rounds = best, max(best, min(value * (1 - SAFETY), known)), rounds + count
-        if step == refinements or best - before < TOLERANCE * best or noted(time.monotonic() > deadline):
+        if step == refinements or best - before < TOLERANCE * best or deadline.passed():
             break
         grid = _refined(grid, joints, weights, known, most_cells)
         if not all(len(cells.low) for row in grid for cells in row):
             best = known  # no motion faster than the known one is left
             break
-    return Bound(best / (1 + SAFETY), rounds, sum(len(cells.low) for row in grid for cells in row))
+    return Proof(best / (1 + SAFETY), rounds, sum(len(cells.low) for row in grid for cells in row))
 
 
 def straight_time(problem: Problem) -> float:
@@ -246,7 +245,7 @@ def _halved(cells: Cells, mask: NDArray[np.bool_], most_cells: int) -> Cells:
     return left.halved() if np.isfinite(left.high).all() and 2 * len(left.low) <= most_cells else left
 
 
-def best_weights(joints: list[Chains], deadline: float = np.inf) -> tuple[float, Floats, int]:
+def best_weights(joints: list[Chains], deadline: Deadline = NEVER) -> tuple[float, Floats, int]:
     """Search for the weights of step 3; after the deadline the best so far are good enough.
 
     Returns
@@ -261,14 +260,14 @@ def best_weights(joints: list[Chains], deadline: float = np.inf) -> tuple[float,
     trial = centre = np.full((n_segments, n_joints), 1.0 / n_joints)
     best, ceiling, done = -np.inf, np.inf, 0
     while done < ROUNDS and ceiling - best > TOLERANCE * best:
-        if done and noted(time.monotonic() > deadline):
+        if done and deadline.passed():
             break
         done += 1
-        found = [joint.cheapest(trial[:, j]) for j, joint in enumerate(joints)]
-        value = _added(value for value, _ in found)
+        cheapest = [joint.cheapest(trial[:, j]) for j, joint in enumerate(joints)]
+        value = _added(value for value, _ in cheapest)
         if value > best:
             best, centre = value, trial
-        for chains, (_, times) in zip(pool, found, strict=True):
+        for chains, (_, times) in zip(pool, cheapest, strict=True):
             chains.append(times)
         corner, ceiling = chain_weights(pool)
         trial = SMOOTHING * centre + (1 - SMOOTHING) * corner

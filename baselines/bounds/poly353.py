@@ -33,18 +33,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from study import polynomial
 from study.problem import Floats, Problem
 
-HERMITE = np.array(
-    [
-        [0, 0, 0, 10, -15, 6],
-        [0, 1, 0, -6, 8, -3],
-        [0, 0, 0.5, -1.5, 1.5, -0.5],
-        [0, 0, 0, -4, 7, -3],
-        [0, 0, 0, 0.5, -1, 0.5],
-    ]
-)
-"""Quintics of step, first velocity, first acceleration, last velocity, last acceleration; ascending powers."""
+QUINTICS = np.column_stack([np.zeros(5), *polynomial.hermite_quintic(*np.eye(5))])
+"""Quintics of step, first and last velocity, first and last acceleration, shape (5, 6); ascending powers."""
 
 GRID = np.linspace(0.0, 1.0, 13)
 PEAKS = 3
@@ -128,15 +121,15 @@ class Bounds353:
 
     def _rates(self, low: Floats, high: Floats, order: int) -> Pieces:
         """One order of the quintic's rates, each joint at the instants of its peaks in the middle of the box."""
-        basis = HERMITE
+        basis = QUINTICS
         for _ in range(order):
             basis = basis[:, 1:] * np.arange(1, basis.shape[1])
         steps = self.steps / self.limits[order - 1]
-        weights = np.stack([steps[1], 3 * steps[0], 6 * steps[0], 3 * steps[2], -6 * steps[2]], axis=-1)
+        weights = np.stack([steps[1], 3 * steps[0], 3 * steps[2], 6 * steps[0], -6 * steps[2]], axis=-1)
         corners = [np.exp(c)[:, None, :] for c in (low, (low + high) / 2, high)]
         ratios = corners[1]
         powers = np.stack(
-            [np.ones_like(ratios[..., 0]), *(ratios[..., i] ** p for i in (0, 1) for p in (1, 2))], axis=-1
+            [np.ones_like(ratios[..., 0]), *(ratios[..., i] ** p for p in (1, 2) for i in (0, 1))], axis=-1
         )
         tau = peak_instants((weights * powers) @ basis)
         factors = (tau[..., None] ** np.arange(basis.shape[1])) @ basis.T * weights[:, None, :]
@@ -170,9 +163,9 @@ def _quadratic_range(linear: Floats, square: Floats, low: Floats, high: Floats) 
 
 
 def _logarithm(factors: Floats, corners: list[Floats], order: int, half: Floats) -> Pieces:
-    """Pieces of f = (ln |N|)/k + ln(1 + 1/r + 1/s) for N = c0 + c1 r + c2 r^2 + c3 s + c4 s^2, shape (n_boxes, n_joints, 5)."""
+    """Pieces of f = (ln |N|)/k + ln(1 + 1/r + 1/s) for N = c0 + c1 r + c2 s + c3 r^2 + c4 s^2, shape (n_boxes, n_joints, 5)."""
     low, middle, high = corners
-    linear, square = factors[..., 1::2], factors[..., 2::2]
+    linear, square = factors[..., 1:3], factors[..., 3:5]
     value = factors[..., 0] + (middle * (linear + square * middle)).sum(axis=-1)
     size = np.abs(factors[..., 0]) + (high * (np.abs(linear) + np.abs(square) * high)).sum(axis=-1)
     sign = np.where(value < 0, -1.0, 1.0)
@@ -199,17 +192,19 @@ def _second_order(pieces: Pieces, half: Floats) -> Floats:
     strongest = np.argpartition(-pieces.value, count - 1, axis=1)[:, :count]
     value, error = (np.take_along_axis(a, strongest, 1) for a in (pieces.value, pieces.remainder))
     slope = np.take_along_axis(pieces.slope, strongest[..., None], 1)
-    one, other = np.triu_indices(count)
-    difference = slope[:, one] - slope[:, other]
-    cancel = np.divide(-slope[:, other], difference, out=np.zeros_like(difference), where=difference != 0)
+    first, second = np.triu_indices(count)
+    difference = slope[:, first] - slope[:, second]
+    cancel = np.divide(-slope[:, second], difference, out=np.zeros_like(difference), where=difference != 0)
     best = np.full(len(half), -np.inf)
     for w in np.moveaxis(np.clip(cancel, 0.0, 1.0), 2, 0):
-        finite = np.isfinite(value[:, one]) & np.isfinite(value[:, other])
-        heights = [np.where(finite, a, 0.0) for a in (value[:, one] - error[:, one], value[:, other] - error[:, other])]
+        finite = np.isfinite(value[:, first]) & np.isfinite(value[:, second])
+        heights = [
+            np.where(finite, a, 0.0) for a in (value[:, first] - error[:, first], value[:, second] - error[:, second])
+        ]
         mean = w * heights[0] + (1 - w) * heights[1]
-        tilt = np.abs(w[..., None] * slope[:, one] + (1 - w)[..., None] * slope[:, other])
+        tilt = np.abs(w[..., None] * slope[:, first] + (1 - w)[..., None] * slope[:, second])
         loss = (tilt * half[:, None, :]).sum(axis=-1) * (1 + ROUNDING) + ROUNDING * np.abs(
-            error[:, one] + error[:, other]
+            error[:, first] + error[:, second]
         )
         best = np.maximum(best, np.where(finite, mean - loss, -np.inf).max(axis=1))
     return best

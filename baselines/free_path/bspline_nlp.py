@@ -1,4 +1,4 @@
-"""One uniform B-spline through the waypoints: kinematic trajectory optimisation with limits held on control points.
+"""Kinematic trajectory optimisation on a uniform B-spline through the waypoints, limits held on control points.
 
 The path q(s), s in [0, 1], is a clamped uniform B-spline of degree 5, so its fourth derivative is continuous; the motion is
 q(t / T). Variables are the control points, the duration T and the parameters s_i at which the waypoints are passed. The
@@ -17,7 +17,6 @@ R. Tedrake and the Drake developers, Drake, 2019: its kinematic trajectory optim
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -26,15 +25,17 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.special import factorial
 
+from baselines.base import Deterministic, where_something_moves
 from baselines.ipopt import Ipopt, Solution, alone, ca
 from baselines.segment_times.model import COLD
 from baselines.segment_times.nlp import optimise
+from baselines.units import dimensionless
 from study.curves import curve_named
-from study.deadline import noted
+from study.deadline import Deadline
 from study.judge import judge
-from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
-from study.problem import Demand, EndCondition, Floats, Problem
-from study.trajectory import Motion, Trajectory
+from study.planning import Plan, RunSettings, Status
+from study.problem import EndCondition, Floats, Problem
+from study.trajectory import Trajectory
 
 DEGREE = 5
 OPTIONS = COLD | {"tol": 1e-8, "constr_viol_tol": 1e-10, "max_iter": 300}
@@ -44,7 +45,7 @@ SHORTEST = 1e-3
 ROUNDS, ENOUGH = 4, 1e-5
 """Solves with one number of spans at most, and the relative gain below which no other follows."""
 
-REACH = 1.0
+STEP = 1.0
 """How far a passage parameter may move in one solve, as a share of an even step; the next solve starts where it ended."""
 
 MERGED = 1e-10
@@ -105,45 +106,38 @@ def first_shape(problem: Problem, spans: int, time_limit: float) -> Shape:
     best = optimise(problem, "cubic-spline", time_limit=time_limit).durations
     durations = best if np.isfinite(best).all() else np.ones(problem.n_segments)
     motion = curve_named("cubic-spline").motion(problem.waypoints, durations)
-    duration = motion.duration * stretch(problem, motion)
+    duration = motion.duration * judge(problem, motion).least_scale
     return Shape(motion(_greville(spans) * motion.duration), motion.waypoint_times / motion.duration, duration)
 
 
-def stretch(problem: Problem, motion: Motion) -> float:
-    """Exact factor by which a motion must be slowed down to touch a limit, below 1 where it may be run faster."""
-    ratios = judge(problem, motion).ratios.max(axis=1)
-    return float((ratios ** (1.0 / np.arange(1, 4))).max())
-
-
-class Transcription:
-    """The NLP of one problem and one number of spans of the whole spline."""
+class SplineProgram:
+    """Nonlinear program of one dimensionless problem and one number of spans of the whole spline."""
 
     def __init__(self, problem: Problem, spans: int) -> None:
         self.problem, self.spans = problem, spans
         self.moving = np.flatnonzero(np.ptp(problem.waypoints, axis=0) > 0)
-        self.span = np.ptp(problem.waypoints, axis=0)[self.moving]
         self.origin = problem.waypoints[0, self.moving]
 
-    def _rows(self, x: Any, unit: float, reach: tuple[Floats, Floats]) -> tuple[Any, Floats]:
+    def _rows(self, x: Any, unit: float, box: tuple[Floats, Floats]) -> tuple[Any, Floats]:
         """Rows and their upper bounds, where the lower ones are zero: waypoints, order of passage, limits."""
         problem, n_joints = self.problem, len(self.moving)
         count = (self.spans + DEGREE) * n_joints
         flat, inner, duration = x[:count], x[count:-1], x[-1]
-        points = (problem.waypoints[1:-1, self.moving] - self.origin) / self.span
+        points = problem.waypoints[1:-1, self.moving] - self.origin
         least = SHORTEST / problem.n_segments
         steps = ca.vertcat(inner, 1.0) - ca.vertcat(0.0, inner) - least
         control = ca.reshape(flat, n_joints, self.spans + DEGREE)
         passing = [
             self._at(control, inner[i], *sides) - point
-            for i, (*sides, point) in enumerate(zip(*reach, points, strict=True))
+            for i, (*sides, point) in enumerate(zip(*box, points, strict=True))
         ]
-        room = []
+        slack = []
         for order, limits in enumerate(problem.limits.rates[:, self.moving], start=1):
             held = np.flatnonzero(np.isfinite(limits)).tolist()
-            weight = ca.diag(ca.DM((self.span / limits)[held] / unit**order))
+            weight = ca.diag(ca.DM((1 / limits)[held] / unit**order))
             rates = weight @ control[held, :] @ ca.sparsify(ca.DM(derivative_matrix(self.spans, order))).T
-            room += [duration**order - ca.vec(rates), duration**order + ca.vec(rates)]
-        rows = ca.vertcat(*passing, steps, *room)
+            slack += [duration**order - ca.vec(rates), duration**order + ca.vec(rates)]
+        rows = ca.vertcat(*passing, steps, *slack)
         upper = np.full(rows.numel(), np.inf)
         upper[: points.size] = 0.0
         return rows, upper
@@ -156,37 +150,37 @@ class Transcription:
         weights = ca.bspline(s, every.ravel(), [knots_of(self.spans).tolist()], [DEGREE], last - first)
         return control[:, first:last] @ weights
 
-    def _box(self, reach: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+    def _bounds(self, box: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
         """Bounds of the variables: the ends are pinned, all else is free."""
         low = np.full((self.spans + DEGREE, len(self.moving)), -np.inf)
         high = -low
-        goal = (self.problem.waypoints[-1, self.moving] - self.origin) / self.span
+        goal = self.problem.waypoints[-1, self.moving] - self.origin
         for column, count in enumerate(pinned(self.problem)[self.moving]):
             for side in (low, high):
                 side[:count, column], side[-count:, column] = 0.0, goal[column]
-        return np.concatenate([low.ravel(), reach[0], [0.0]]), np.concatenate([high.ravel(), reach[1], [np.inf]])
+        return np.concatenate([low.ravel(), box[0], [0.0]]), np.concatenate([high.ravel(), box[1], [np.inf]])
 
     @alone()
     def solve(self, start: Shape, seconds: float) -> tuple[Shape, Solution]:
         """Run IPOPT once."""
         unit = start.duration
-        guess = (start.control[:, self.moving] - self.origin) / self.span
+        guess = start.control[:, self.moving] - self.origin
         x = ca.MX.sym("x", guess.size + self.problem.n_segments)
-        near = REACH / self.problem.n_segments
-        reach = np.maximum(start.passed[1:-1] - near, 0.0), np.minimum(start.passed[1:-1] + near, 1.0)
-        rows, upper = self._rows(x, unit, reach)
+        near = STEP / self.problem.n_segments
+        box = np.maximum(start.passed[1:-1] - near, 0.0), np.minimum(start.passed[1:-1] + near, 1.0)
+        rows, upper = self._rows(x, unit, box)
         solver = Ipopt({"x": x, "f": x[-1], "g": rows}, OPTIONS | {"max_wall_time": seconds})
-        low, high = self._box(reach)
+        low, high = self._bounds(box)
         x0 = np.concatenate([guess.ravel(), start.passed[1:-1], [1.0]])
         solution = solver.solve(x0=x0, lbx=low, ubx=high, lbg=0.0, ubg=upper)
-        found = solution.x
         control = np.repeat(self.problem.waypoints[:1], self.spans + DEGREE, axis=0)
-        control[:, self.moving] += found[: guess.size].reshape(guess.shape) * self.span
-        return Shape(control, np.concatenate([[0.0], found[guess.size : -1], [1.0]]), found[-1] * unit), solution
+        control[:, self.moving] += solution.x[: guess.size].reshape(guess.shape)
+        passed = np.concatenate([[0.0], solution.x[guess.size : -1], [1.0]])
+        return Shape(control, passed, solution.x[-1] * unit), solution
 
 
 @dataclass(frozen=True)
-class BSplineNlp:
+class BSplineNlp(Deterministic):
     """Planner `bspline-nlp`.
 
     Parameters
@@ -200,29 +194,29 @@ class BSplineNlp:
     spans: int = 3
     most: int = 120
     about: ClassVar[str] = "one B-spline through the waypoints, its control points optimised by IPOPT"
-    freedom: ClassVar[Freedom] = Freedom.FREE
-    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
-    stochastic: ClassVar[bool] = False
 
+    @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Solve the NLP; only the settings' time limit matters."""
+        """Solve the program with more and more spans; only the settings' time limit matters."""
         if not np.isfinite(problem.limits.rates[1:]).any():
             reason = "no joint has an acceleration or jerk limit, and a smooth curve cannot be the fastest then"
             return Plan(Status.NOT_APPLICABLE, message=reason)
-        if not np.ptp(problem.waypoints, axis=0).any():
-            return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
-        deadline, spans = time.monotonic() + settings.time_limit, self.spans * problem.n_segments
-        shape, best = first_shape(problem, spans, settings.time_limit / 4), Plan(Status.FAILED, message="no time left")
+        scaled, units = dimensionless(problem, 1.0, np.ptp(problem.waypoints, axis=0))
+        best = self._best(scaled, Deadline.after(settings.time_limit), settings.time_limit)
+        return replace(best, motion=units.motion(best.motion)) if isinstance(best.motion, Trajectory) else best
+
+    def _best(self, problem: Problem, deadline: Deadline, time_limit: float) -> Plan:
+        spans = self.spans * problem.n_segments
+        shape, best = first_shape(problem, spans, time_limit / 4), Plan(Status.FAILED, message="no time left")
         while spans <= max(self.most, self.spans * problem.n_segments):
-            model = Transcription(problem, spans)
+            program = SplineProgram(problem, spans)
             for _ in range(ROUNDS):
-                if noted((seconds := deadline - time.monotonic()) <= 0):
+                if deadline.passed():
                     return replace(best, status=Status.FAILED if best.motion is None else Status.NOT_CONVERGED)
-                found, solution = model.solve(shape.finer(spans), seconds)
-                before, best = best, _better(problem, best, found, solution)
+                shape, solution = program.solve(shape.finer(spans), deadline.left())
+                before, best = best, _better(problem, best, shape, solution)
                 if not solution.success:
                     return best
-                shape = found
                 if _gain(before, best) < ENOUGH:
                     break
             spans *= 2
@@ -236,14 +230,18 @@ def _gain(before: Plan, after: Plan) -> float:
     return 1.0 - after.motion.duration / before.motion.duration
 
 
-def _better(problem: Problem, best: Plan, found: Shape, solution: Solution) -> Plan:
+def _better(problem: Problem, best: Plan, shape: Shape, solution: Solution) -> Plan:
     """Take the new motion where it is feasible and faster, exactly at its limits, and the account of its solve."""
-    motion = found.motion()
-    factor = stretch(problem, motion)
+    motion = shape.motion()
+    factor = judge(problem, motion).least_scale
+    motion = motion.scaled(factor)
     better = replace(best, iterations=best.iterations + solution.iterations, message=f"IPOPT: {solution.status}")
-    faster = best.motion is None or motion.duration * factor < best.motion.duration
-    if faster and judge(problem, motion.scaled(factor)).feasible:
-        better = replace(better, motion=motion.scaled(factor), details={"stretch": factor})
+    if best.motion is None or motion.duration < best.motion.duration:
+        verdict = judge(problem, motion)
+        if verdict.feasible:
+            better = replace(better, motion=motion, details={"stretch": factor})
+        elif best.motion is None:
+            better = replace(better, message=f"{better.message}, but {verdict.reasons[0]}")
     if better.motion is None:
         return better
     return replace(better, status=Status.FINISHED if solution.success else Status.NOT_CONVERGED)

@@ -1,4 +1,4 @@
-"""The free-path NLP: the best that any motion through the waypoints can do, from above.
+"""Free-path nonlinear program for IPOPT: an upper bound on the optimal time over all motions through the waypoints.
 
 Nothing ties the motion to a curve family: every segment has a free duration and is cut into K equal pieces. A joint with a
 jerk limit has an acceleration that is linear in every piece, one with an acceleration limit only has a constant one, and
@@ -11,25 +11,29 @@ the judge.
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
+from baselines.base import NOTHING_MOVES, Deterministic, where_something_moves
 from baselines.closed_forms import rest_to_rest_time
-from baselines.free_path.transcription import Nodes, Transcription, Units, realise
+from baselines.free_path.transcription import Kinds, Nodes, PieceProgram, realise
+from baselines.units import dimensionless
 from study.curves import CURVES
-from study.deadline import noted
+from study.deadline import NEVER, Deadline
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
-from study.problem import Demand, EndCondition, Floats, Problem
+from study.planning import Plan, RunSettings, Status
+from study.problem import EndCondition, Floats, Problem
 from study.trajectory import Motion, Trajectory
 
 ROUNDS = 5
 ENOUGH = 1e-7
 """Excess over the limits, as a stretch, that ends the rounds."""
+
+LONGEST = 1e6
+"""Wall time of a solve where there is no deadline, s."""
 
 ABSURD = 3.0
 """A motion this many times as long as stopping at every waypoint shows that the solver went astray."""
@@ -78,7 +82,7 @@ def spline_start(problem: Problem, pieces: int) -> Nodes:
     durations = rest_to_rest_time(steps, problem.limits.rates).max(axis=1)
     durations = np.maximum(durations, 1e-3 * durations.max())
     motion = CURVES["cubic-spline"].motion(problem.waypoints, durations)
-    factor = _stretch(problem, motion)
+    factor = judge(problem, motion).stretch
     return _sample(motion.scaled(factor), durations * factor, pieces)
 
 
@@ -99,40 +103,31 @@ def _sample(motion: Motion, durations: Floats, pieces: int) -> Nodes:
     return Nodes(durations, motion(knots, 1), motion(knots, 2))
 
 
-def _stretch(problem: Problem, motion: Motion) -> float:
-    """Exact factor by which a motion must be slowed down to keep all limits, at least 1."""
-    worst = judge(problem, motion).ratios.max(axis=1)
-    return float(max(1.0, worst[0], np.sqrt(worst[1]), np.cbrt(worst[2])))
-
-
-def improve(problem: Problem, transcription: Transcription, start: Nodes, deadline: float) -> FreePath:
+def improve(program: PieceProgram, nodes: Nodes, deadline: Deadline) -> FreePath:
     """Solve from one start, round by round, and keep the best motion on the way.
 
     Parameters
     ----------
-    problem : Problem
-    transcription : Transcription
-    start : Nodes
-        In the problem's units.
-    deadline : float, s
-        On the clock of `time.monotonic`: no round begins after it.
+    program : PieceProgram
+    nodes : Nodes
+        Where to start.
+    deadline : Deadline
+        No round but the first begins after it.
     """
-    units = transcription.units
-    nodes, peaks = units.into(start), transcription.middles
-    iterations, results = 0, []
+    peaks, iterations, results = program.middles, 0, []
     for _ in range(ROUNDS):
-        nodes, solution = transcription.solve(nodes, peaks)
+        nodes, solution = program.solve(nodes, peaks)
         iterations += solution.iterations
-        results.append(_finished(problem, units.back(nodes), solution.success, solution.status))
-        if not solution.success or results[-1].stretch <= 1 + ENOUGH or noted(time.monotonic() > deadline):
+        results.append(_finished(program.problem, nodes, solution.success, solution.status))
+        if not solution.success or results[-1].stretch <= 1 + ENOUGH or deadline.passed():
             break
-        peaks = transcription.moved(peaks, nodes)
+        peaks = program.moved(peaks, nodes)
     return replace(min(results, key=lambda result: result.rank), iterations=iterations)
 
 
 def _finished(problem: Problem, nodes: Nodes, converged: bool, message: str) -> FreePath:
     motion = realise(problem, nodes)
-    stretch = _stretch(problem, motion)
+    stretch = judge(problem, motion).stretch
     motion = motion.scaled(stretch)
     return FreePath(motion, stretch, judge(problem, motion).feasible, 0, converged, message)
 
@@ -143,14 +138,14 @@ def surplus(problem: Problem, pieces: int) -> int:
     Every segment has a duration. A joint whose acceleration is linear in every piece has two unknowns at every node, one
     with constant accelerations one; per piece and per segment they must fit together, and the ends take some away.
     """
-    units, n = Units.of(problem), problem.n_segments
+    kinds, n = Kinds.of(problem), problem.n_segments
     ends = {EndCondition.FREE: 0, EndCondition.REST: 2, EndCondition.SMOOTH: 4}[problem.end]
     cubic = n * (pieces - 1) + 2 - ends
     quadratic = n * (pieces - 1) + 1 - min(ends, 2)
-    return n + len(units.cubic) * cubic + len(units.quadratic) * quadratic
+    return n + len(kinds.cubic) * cubic + len(kinds.quadratic) * quadratic
 
 
-def free_path(problem: Problem, pieces: int = 8, time_limit: float = 60.0, deadline: float = np.inf) -> FreePath:
+def free_path(problem: Problem, pieces: int = 8, deadline: Deadline = NEVER) -> FreePath:
     """Solve the free-path NLP from two starts and keep the faster motion.
 
     Parameters
@@ -158,10 +153,8 @@ def free_path(problem: Problem, pieces: int = 8, time_limit: float = 60.0, deadl
     problem : Problem
     pieces : int
         Equal pieces per segment, K.
-    time_limit : float, s
-        For all of it, as near as the solver can keep it.
-    deadline : float, s
-        Of whoever asks, on the clock of `time.monotonic`: after it one start is enough.
+    deadline : Deadline
+        No solve takes more than half of what is left; after it one start is enough.
 
     Raises
     ------
@@ -171,20 +164,23 @@ def free_path(problem: Problem, pieces: int = 8, time_limit: float = 60.0, deadl
     if pieces < 1:
         raise StudyError(f"free-path NLP: pieces per segment must be at least 1, got {pieces}")
     if not np.ptp(problem.waypoints, axis=0).any():
-        raise StudyError(f"case {problem.name!r}: all waypoints are equal, so there is nothing to move")
-    if not Units.of(problem).moving.size:
+        raise StudyError(f"case {problem.name!r}: {NOTHING_MOVES}")
+    if not Kinds.of(problem).optimised.size:
         return _straight(problem)
     if (lacking := -surplus(problem, pieces)) > 0:
         raise StudyError(
             f"free-path NLP: {pieces} pieces per segment leave {lacking} more equations than unknowns on case "
             f"{problem.name!r}, so that no motion meets them; take more pieces"
         )
-    end = time.monotonic() + time_limit
-    transcription = Transcription(problem, pieces, time_limit / 2)
-    found = [improve(problem, transcription, spline_start(problem, pieces), end)]
-    if not noted(time.monotonic() > deadline):
-        found.append(improve(problem, transcription, stop_start(problem, pieces), end))
-    return min(found, key=lambda result: result.rank)
+    stops = rest_to_rest_time(np.diff(problem.waypoints, axis=0), problem.limits.rates).max(axis=1)
+    scaled, units = dimensionless(problem, stops.mean(), np.ptp(problem.waypoints, axis=0))
+    program = PieceProgram(scaled, pieces, min(deadline.left() / 2, LONGEST))
+    results = [improve(program, spline_start(scaled, pieces), deadline)]
+    if not deadline.passed():
+        results.append(improve(program, stop_start(scaled, pieces), deadline))
+    best = min(results, key=lambda result: result.rank)
+    motion = units.motion(best.motion)
+    return replace(best, motion=motion, feasible=judge(problem, motion).feasible)
 
 
 def _straight(problem: Problem) -> FreePath:
@@ -198,7 +194,7 @@ def _straight(problem: Problem) -> FreePath:
 
 
 @dataclass(frozen=True)
-class FreePathNlp:
+class FreePathNlp(Deterministic):
     """Planner `free-path-nlp`: no curve family, only waypoints and limits.
 
     Parameters
@@ -209,30 +205,22 @@ class FreePathNlp:
 
     pieces: int = 8
     about: ClassVar[str] = "free path in short pieces of polynomials, optimised by IPOPT"
-    freedom: ClassVar[Freedom] = Freedom.FREE
-    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
-    stochastic: ClassVar[bool] = False
 
+    @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Solve the NLP within the settings' time limit."""
-        if not np.ptp(problem.waypoints, axis=0).any():
-            return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
-        try:
-            found = free_path(problem, self.pieces, settings.time_limit)
-        except StudyError as error:
-            return Plan(Status.FAILED, message=str(error))
-        if found.motion.duration > ABSURD * stops_time(problem):
+        """Solve the program within the settings' time limit."""
+        result = free_path(problem, self.pieces, Deadline.after(settings.time_limit))
+        if result.motion.duration > ABSURD * stops_time(problem):
+            excess = f"{result.motion.duration:g} s; stopping at every waypoint is far faster"
             return Plan(
-                Status.FAILED,
-                iterations=found.iterations,
-                message=f"the solver ended with a motion of {found.motion.duration:g} s; stopping at every waypoint is far faster",
+                Status.FAILED, iterations=result.iterations, message=f"the solver ended with a motion of {excess}"
             )
-        if not found.feasible and not found.converged:
-            return Plan(Status.FAILED, iterations=found.iterations, message=f"IPOPT: {found.message}")
+        if not result.feasible and not result.converged:
+            return Plan(Status.FAILED, iterations=result.iterations, message=f"IPOPT: {result.message}")
         return Plan(
-            Status.FINISHED if found.converged else Status.NOT_CONVERGED,
-            motion=found.motion,
-            iterations=found.iterations,
-            message=f"IPOPT: {found.message}",
-            details={"stretch": found.stretch, "pieces": float(self.pieces)},
+            Status.FINISHED if result.converged else Status.NOT_CONVERGED,
+            motion=result.motion,
+            iterations=result.iterations,
+            message=f"IPOPT: {result.message}",
+            details={"stretch": result.stretch, "pieces": float(self.pieces)},
         )

@@ -16,11 +16,12 @@ from typing import ClassVar
 import copp_py as copp
 import numpy as np
 
+from baselines.base import Deterministic, where_something_moves
 from baselines.path_timing.toppra import Path, chord_path, grid
 from study import polynomial
 from study.judge import judge
-from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
-from study.problem import Demand, Floats, Problem
+from study.planning import Freedom, Plan, RunSettings, Status
+from study.problem import Floats, Problem
 from study.trajectory import Trajectory
 
 ROUNDS = 6
@@ -80,28 +81,15 @@ def driven(path: Path, times: Floats, states: Floats, marks: Floats) -> Trajecto
     h = np.diff(times)
     (s0, v0, a0), (s1, v1, a1) = states[:-1].T, states[1:].T
     v0, v1, a0, a1, d = v0 * h, v1 * h, a0 * h**2, a1 * h**2, s1 - s0
-    unit = np.stack(
-        [
-            np.zeros_like(d),
-            v0,
-            a0 / 2,
-            10 * d - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1,
-            -15 * d + 8 * v0 + 7 * v1 + 1.5 * a0 - a1,
-            6 * d - 3 * (v0 + v1) - 0.5 * (a0 - a1),
-        ],
-        axis=1,
-    )[:, None, :]
-    cubic = np.moveaxis(path.at(states[:-1, 0]), 1, 2)
-    result = cubic[..., 3:]
-    for power in (2, 1, 0):
-        result = polynomial.product(result, unit)
-        result[..., 0] += cubic[..., power]
+    quintic = polynomial.hermite_quintic(d, v0, v1, a0, a1)
+    along = np.stack([np.zeros_like(d), *quintic], axis=1)[:, None, :]
+    result = polynomial.composed(np.moveaxis(path.at(states[:-1, 0]), 1, 2), along)
     powers = h[:, None] ** np.arange(result.shape[-1])
     return Trajectory.from_pieces(h, np.moveaxis(result / powers[:, None], 1, 2), marks)
 
 
 @dataclass(frozen=True)
-class Copp:
+class Copp(Deterministic):
     """Planner `copp`: the chord path from path rest to path rest under velocity, acceleration and jerk limits.
 
     Parameters
@@ -113,9 +101,8 @@ class Copp:
     per_segment: int = 20
     about: ClassVar[str] = "speed along a given path with a jerk limit, by cone programs (COPP)"
     freedom: ClassVar[Freedom] = Freedom.PATH
-    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
-    stochastic: ClassVar[bool] = False
 
+    @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Parameterize the path; the settings do not matter."""
         if not np.isfinite(problem.limits.rates).all():
@@ -129,6 +116,5 @@ class Copp:
         except copp.CoppError as error:
             return Plan(Status.FAILED, message=f"COPP stopped: {error}")
         motion = driven(path, times, states, np.full(problem.n_segments, self.per_segment))
-        ratios = judge(problem, motion).ratios.max(axis=1)
-        stretch = max(1.0, float((ratios ** (1.0 / np.arange(1, 4))).max()))
+        stretch = judge(problem, motion).stretch
         return Plan(Status.FINISHED, motion=motion.scaled(stretch), details={"stretch": stretch})

@@ -1,4 +1,4 @@
-"""Path parameterization with a jerk limit: the fastest way along the chord path when jerk counts too.
+"""Time-optimal path parameterization under velocity, acceleration and jerk limits, as a nonlinear program.
 
 TOPP-RA chooses path acceleration as it likes from gridpoint to gridpoint, so its jerk is infinite. Here the third
 derivative of the path parameter is constant in each of K pieces per segment and the durations of the pieces are free, so
@@ -11,19 +11,19 @@ The path is TOPP-RA's own (`baselines.path_timing.toppra.chord_path`), so the tw
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
+from baselines.base import Deterministic, where_something_moves
 from baselines.ipopt import Ipopt, Solution, alone, ca
 from baselines.path_timing.toppra import Path, chord_path
 from study import polynomial
-from study.deadline import noted
+from study.deadline import Deadline
 from study.judge import judge
-from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
-from study.problem import Demand, EndCondition, Floats, Problem
+from study.planning import Freedom, Plan, RunSettings, Status
+from study.problem import EndCondition, Floats, Problem
 from study.trajectory import Trajectory
 
 OPTIONS = {"max_iter": 500, "tol": 1e-8}
@@ -55,8 +55,8 @@ def _normalised(path: Path) -> Path:
     return Path(path.knots / unit, path.cubics * unit ** np.arange(4)[:, None])
 
 
-class Transcription:
-    """The NLP of one path and one number of pieces per segment.
+class PathProgram:
+    """Nonlinear program of one path and one number of pieces per segment.
 
     Parameters
     ----------
@@ -64,11 +64,11 @@ class Transcription:
     path : Path
     pieces : int
         Pieces per segment, K.
-    deadline : float, s
-        Of `time.monotonic`; IPOPT stops when it is reached.
+    deadline : Deadline
+        IPOPT stops when it is reached.
     """
 
-    def __init__(self, problem: Problem, path: Path, pieces: int, deadline: float) -> None:
+    def __init__(self, problem: Problem, path: Path, pieces: int, deadline: Deadline) -> None:
         self.problem, self.path, self.pieces = problem, path, pieces
         self.segments = np.repeat(np.arange(len(path.cubics)), pieces)
         rest = np.diff(path.knots)
@@ -78,8 +78,7 @@ class Transcription:
     def _start_scale(self) -> float:
         """Seconds per unit of path at the constant path speed that no limit forbids."""
         motion = Trajectory.from_pieces(np.diff(self.path.knots), self.path.cubics)
-        ratios = judge(self.problem, motion).ratios.max(axis=1)
-        return float((ratios ** (1.0 / np.arange(1, 4))).max())
+        return judge(self.problem, motion).least_scale
 
     @alone()
     def solve(self, points: list[Floats], guess: Floats | None) -> Solution:
@@ -105,7 +104,7 @@ class Transcription:
         limited = ca.vertcat(*(self._rates(i, points[i], (h[i], s[i], w[i], a[i], r[i])) for i in range(n)))
         x = ca.vertcat(h, s, w, a, r)
         g = ca.vertcat(equal, limited)
-        seconds = max(self.deadline - time.monotonic(), SOLVE_AT_LEAST)
+        seconds = max(self.deadline.left(), SOLVE_AT_LEAST)
         solver = Ipopt({"x": x, "f": ca.sum1(h), "g": g}, OPTIONS | {"max_wall_time": seconds})
         bound = np.concatenate([np.zeros(equal.shape[0]), np.ones(limited.shape[0])])
         low = np.concatenate([np.full(n, SHORTEST), np.full(n, -np.inf), np.zeros(n), np.full(2 * n, -np.inf)])
@@ -154,13 +153,8 @@ class Transcription:
         """Compose path and parameterization: exact, degree 9."""
         states = speeds.states / np.array([1.0, 1.0, 2.0, 6.0])
         states[:, 0] -= self.path.knots[self.segments]
-        inner = states[:, None, :]
-        cubic = np.moveaxis(self.path.cubics, 1, 2)[self.segments]
-        result = cubic[..., 3:]
-        for power in (2, 1, 0):
-            result = polynomial.product(result, inner)
-            result[..., 0] += cubic[..., power]
-        return Trajectory.from_pieces(speeds.durations, np.moveaxis(result, 1, 2), self.pieces)
+        driven = polynomial.composed(np.moveaxis(self.path.cubics, 1, 2)[self.segments], states[:, None, :])
+        return Trajectory.from_pieces(speeds.durations, np.moveaxis(driven, 1, 2), self.pieces)
 
     def peaks(self, motion: Trajectory, points: list[Floats]) -> list[Floats]:
         """Add to every piece the fractions at which a rate of the motion stands above its limit."""
@@ -186,7 +180,7 @@ def _halved(x: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
-class Topp3NLP:
+class Topp3Nlp(Deterministic):
     """Planner `topp3-nlp`: the chord path under velocity, acceleration and jerk limits.
 
     One piece per segment is solved first; its solution, with every piece cut in two, starts the next, so more pieces never
@@ -204,39 +198,38 @@ class Topp3NLP:
     rounds: int = 3
     about: ClassVar[str] = "speed along a given path with a jerk limit, by IPOPT"
     freedom: ClassVar[Freedom] = Freedom.PATH
-    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
-    stochastic: ClassVar[bool] = False
 
+    @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Parameterize the path; only the settings' time limit matters."""
         if not np.isfinite(problem.limits.jerk).all():
             return Plan(Status.NOT_APPLICABLE, message="some joint has no jerk limit, so TOPP-RA already answers")
-        found, iterations = self._answers(problem, time.monotonic() + settings.time_limit)
-        best = min(found, key=lambda answer: (not answer.feasible, answer.motion.duration))
+        answers, iterations = self._answers(problem, Deadline.after(settings.time_limit))
+        best = min(answers, key=lambda answer: (not answer.feasible, answer.motion.duration))
         status = Status.FINISHED if best.success else Status.NOT_CONVERGED
         message = "" if best.feasible else "IPOPT did not come to a motion that keeps the limits"
         return Plan(status, best.motion, iterations=iterations, message=message, details={"stretch": best.stretch})
 
-    def _answers(self, problem: Problem, deadline: float) -> tuple[list[_Answer], int]:
+    def _answers(self, problem: Problem, deadline: Deadline) -> tuple[list[_Answer], int]:
         """Solve with more and more pieces and points until the deadline; answers, at least one, and iterations."""
         path = _normalised(chord_path(problem.waypoints, problem.limits))
-        found: list[_Answer] = []
+        answers: list[_Answer] = []
         guess, iterations = None, 0
         for halving in range(self.halvings + 1):
-            model = Transcription(problem, path, 2**halving, deadline)
+            model = PathProgram(problem, path, 2**halving, deadline)
             points = [POINTS] * len(model.segments)
             for _ in range(self.rounds):
-                if found and noted(time.monotonic() > deadline):
-                    return found, iterations
+                if answers and deadline.passed():
+                    return answers, iterations
                 solution = model.solve(points, guess)
                 guess = solution.x
                 iterations += solution.iterations
-                found.append(_stretched(problem, model, guess, solution.success))
-                if found[-1].stretch < 1 + 1e-6:
+                answers.append(_stretched(problem, model, guess, solution.success))
+                if answers[-1].stretch < 1 + 1e-6:
                     break
                 points = model.peaks(model.motion(model.speeds(guess)), points)
             guess = _halved(guess) if guess is not None else None
-        return found, iterations
+        return answers, iterations
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,9 +240,8 @@ class _Answer:
     feasible: bool
 
 
-def _stretched(problem: Problem, model: Transcription, x: Floats, success: bool) -> _Answer:
+def _stretched(problem: Problem, model: PathProgram, x: Floats, success: bool) -> _Answer:
     motion = model.motion(model.speeds(x))
-    ratios = judge(problem, motion).ratios.max(axis=1)
-    stretch = max(1.0, float((ratios ** (1.0 / np.arange(1, 4))).max()))
+    stretch = judge(problem, motion).stretch
     slowed = motion.scaled(stretch)
     return _Answer(slowed, stretch, success, judge(problem, slowed).feasible)

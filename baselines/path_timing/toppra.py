@@ -1,4 +1,4 @@
-"""TOPP-RA: the fastest way along a given path under velocity and acceleration limits.
+"""TOPP-RA: time-optimal speed along a given path under velocity and acceleration limits.
 
 The path is the clamped cubic spline through the waypoints. Its parameter grows by the chord rule: from waypoint to
 waypoint by the distance between them, every joint measured in units of its velocity limit. As the spline is clamped,
@@ -13,14 +13,16 @@ Transactions on Robotics 34(3), 2018.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 from toppra import algorithm, constraint
 
+from baselines.base import Deterministic, where_something_moves
 from study import polynomial
 from study.curves import cubic_spline
+from study.deadline import Deadline
 from study.judge import judge
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Demand, Floats, JointLimits, Problem
@@ -48,10 +50,8 @@ class Path:
     def at(self, s: Floats) -> Floats:
         """Cubics rewritten about given parameters, shape (n, 4, n_joints)."""
         segment = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.cubics) - 1)
-        by = (s - self.knots[segment])[:, None]
-        c0, c1, c2, c3 = np.moveaxis(self.cubics[segment], 1, 0)
-        about = (c0 + by * (c1 + by * (c2 + by * c3)), c1 + by * (2 * c2 + 3 * by * c3), c2 + 3 * by * c3, c3)
-        return np.stack(about, axis=1)
+        ascending = np.moveaxis(self.cubics[segment], 1, 2)
+        return np.moveaxis(polynomial.shifted(ascending, (s - self.knots[segment])[:, None]), 2, 1)
 
 
 def chord_path(waypoints: Floats, limits: JointLimits) -> Path:
@@ -135,12 +135,8 @@ def compose(path: Path, points: Floats, speeds: Floats) -> tuple[Floats, Floats]
     steps = np.diff(points)
     durations = 2 * steps / (speeds[:-1] + speeds[1:])
     s = np.stack([np.zeros_like(steps), speeds[:-1], np.diff(speeds) / durations / 2], axis=1)[:, None, :]
-    cubic = np.moveaxis(path.at(points[:-1]), 1, 2)
-    result = cubic[..., 3:]
-    for power in (2, 1, 0):
-        result = polynomial.product(result, s)
-        result[..., 0] += cubic[..., power]
-    return durations, np.moveaxis(result, 1, 2)
+    driven = polynomial.composed(np.moveaxis(path.at(points[:-1]), 1, 2), s)
+    return durations, np.moveaxis(driven, 1, 2)
 
 
 def retime(problem: Problem, per_segment: int) -> tuple[Trajectory, float] | None:
@@ -162,13 +158,19 @@ def retime(problem: Problem, per_segment: int) -> tuple[Trajectory, float] | Non
         return None
     durations, coefficients = compose(path, points, speeds)
     motion = Trajectory.from_pieces(durations, coefficients, np.where(fresh[1:], per_segment, 0))
-    ratios = judge(problem, motion).ratios.max(axis=1)
-    stretch = max(1.0, float(ratios[0]), float(np.sqrt(ratios[1])))
+    stretch = judge(without_jerk(problem), motion).stretch
     return motion.scaled(stretch), stretch
 
 
+def without_jerk(problem: Problem) -> Problem:
+    """Drop the jerk limits, which no motion of TOPP-RA keeps, however slow."""
+    limits = problem.limits
+    free = np.full(problem.n_joints, np.inf)
+    return replace(problem, limits=replace(limits, jerk=free, min_jerk=-free))
+
+
 @dataclass(frozen=True)
-class Toppra:
+class Toppra(Deterministic):
     """Planner `toppra`: the fastest way along the clamped cubic spline through the waypoints.
 
     Its acceleration steps, so under a jerk limit its motion is not feasible, however slowly it is driven.
@@ -185,20 +187,18 @@ class Toppra:
     about: ClassVar[str] = "TOPP-RA: the fastest speed along a given path, without a jerk limit"
     freedom: ClassVar[Freedom] = Freedom.PATH
     knows: ClassVar[frozenset[Demand]] = RATE_LIMITS - {Demand.JERK}
-    stochastic: ClassVar[bool] = False
 
+    @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Retime the path; the settings do not matter."""
+        """Retime the path; only the settings' time limit matters."""
         if not np.isfinite(problem.limits.acceleration).any():
             return Plan(Status.NOT_APPLICABLE, message="no acceleration limit: the path speed could step")
-        if not np.ptp(problem.waypoints, axis=0).any():
-            return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
-        found = None
+        deadline, retimed = Deadline.after(settings.time_limit), None
         for per_segment in (self.per_segment, 2 * self.per_segment, 4 * self.per_segment):
-            found = retime(problem, per_segment) or found
-            if found and found[1] <= self.worst_stretch:
+            retimed = retime(problem, per_segment) or retimed
+            if (retimed and retimed[1] <= self.worst_stretch) or deadline.passed():
                 break
-        if found is None:
-            return Plan(Status.FAILED, message="TOPP-RA found no path speeds")
-        motion, stretch = found
+        if retimed is None:
+            return Plan(Status.FAILED, message="TOPP-RA finds no path speeds")
+        motion, stretch = retimed
         return Plan(Status.FINISHED, motion=motion, details={"stretch": stretch, "grid_steps": len(motion.knots) - 1.0})

@@ -23,7 +23,7 @@ from scipy.optimize import linprog
 
 from baselines.ipopt import ca
 from baselines.segment_times.critical_points import Critical, Slots, bends_of, is_root
-from baselines.segment_times.model import Rows, Scales
+from baselines.segment_times.model import Rows
 from baselines.segment_times.polynomial_curves import shortest_of, slot_symbols, slot_values, stacked
 from study import polynomial
 from study.curves import bspline
@@ -89,32 +89,32 @@ class BSpline:
                 p += path
         return Rows(e, ca.vertcat(*p), ca.sum1(rows[0]), ca.vertcat(*rows), equal=0)
 
-    def lift(self, problem: Problem, durations: Floats, scales: Scales) -> Floats:
+    def lift(self, problem: Problem, durations: Floats) -> Floats:
         """Steps of the control points that give these durations."""
-        return np.asarray(np.linalg.solve(duration_matrix(len(durations)), durations / scales.time), dtype=float)
+        return np.asarray(np.linalg.solve(duration_matrix(len(durations)), durations), dtype=float)
 
-    def durations(self, x: Floats, scales: Scales) -> Floats:
-        """Durations of given variables, s."""
-        return duration_matrix(len(x)) @ x * scales.time
+    def durations(self, x: Floats) -> Floats:
+        """Durations of given variables."""
+        return duration_matrix(len(x)) @ x
 
-    def variable_bounds(self, problem: Problem, scales: Scales) -> tuple[Floats, Floats]:
+    def variable_bounds(self, problem: Problem) -> tuple[Floats, Floats]:
         """No bounds: the durations are rows."""
         return np.full(self.n_waypoints - 1, -np.inf), np.full(self.n_waypoints - 1, np.inf)
 
-    def row_bounds(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> tuple[Floats, Floats]:
+    def row_bounds(self, problem: Problem, slots: dict[int, Slots]) -> tuple[Floats, Floats]:
         """Shortest durations; nothing to spare in the others is the limit."""
-        durations = np.full(self.n_waypoints - 1, shortest_of(problem) / scales.time)
+        durations = np.full(self.n_waypoints - 1, shortest_of(problem))
         others = [np.where(slot.used[:, 0], 0.0, -np.inf).ravel(order="F") for slot in slots.values()]
         lower = np.concatenate([durations, *others])
         return lower, np.full(lower.size, np.inf)
 
-    def parameters(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> Floats:
+    def parameters(self, problem: Problem, slots: dict[int, Slots]) -> Floats:
         """Points and bends, then for every slot what the path is there, over the limit and with the peak's sign."""
         values = slot_values(slots)
         coefficients = np.moveaxis(bspline.unit_coefficients(problem.waypoints), 1, 2)
         for order, slot in slots.items():
             points, joints = slot.filled()[:, 0], slot.joints[:, 0]
-            limit = problem.limits.rates[order - 1][joints] * scales.time**order * slot.signs[:, 0]
+            limit = problem.limits.rates[order - 1][joints] * slot.signs[:, 0]
             rates, path = coefficients[np.arange(len(points))[:, None], joints], []
             for _ in range(3):
                 rates = polynomial.derivative(rates)
@@ -122,17 +122,17 @@ class BSpline:
             values += [q[:, k] for k in range(points.shape[1]) for q in path]
         return np.concatenate(values)
 
-    def critical(self, problem: Problem, x: Floats, scales: Scales, order: int) -> Critical:
+    def critical(self, problem: Problem, x: Floats, order: int) -> Critical:
         """Critical points; where time hardly increases its slowest points stand in for all others."""
-        durations = self.durations(x, scales)
-        time = bspline.time_coefficients(durations[None])[0][:, None, :] / scales.time
+        durations = self.durations(x)
+        time = bspline.time_coefficients(durations[None])[0][:, None, :]
         slope = polynomial.derivative(time)
         lowest, at_lowest, _, _ = polynomial.extrema(slope)
         if lowest.min() <= 0:
             stuck = np.where(lowest <= 0, np.inf if order == 1 else 0.0, 0.0)[..., None]
             return Critical(at_lowest[..., None], stuck, np.zeros_like(stuck))
         position = np.moveaxis(bspline.unit_coefficients(problem.waypoints), 1, 2)
-        position = position / (problem.limits.rates[order - 1][:, None] * scales.time**order)
+        position = position / problem.limits.rates[order - 1][:, None]
         points, ratios = rational_candidates(time, position, order)
         numerator, denominator = rational_rate(time, position, order)
         seconds = [polynomial.derivative(polynomial.derivative(a))[..., None, :] for a in (numerator, denominator)]
@@ -179,5 +179,5 @@ def velocity_bound(problem: Problem) -> float:
     matrix, need = duration_matrix(n), needed_slope(problem.waypoints, problem.limits.velocity, u)
     a = np.concatenate([rows[:, :, 1:-1].reshape(-1, n), matrix])
     b = np.concatenate([need.ravel(), np.full(n, problem.duration_bounds[0])])
-    found = linprog(matrix.sum(axis=0), A_ub=-a, b_ub=-b, bounds=(None, None), method="highs")
-    return float(-found.ineqlin.marginals @ b) if found.status == 0 else 0.0
+    solved = linprog(matrix.sum(axis=0), A_ub=-a, b_ub=-b, bounds=(None, None), method="highs")
+    return float(-solved.ineqlin.marginals @ b) if solved.status == 0 else 0.0

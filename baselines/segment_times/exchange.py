@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from baselines.ipopt import Solution
 from baselines.segment_times.critical_points import Slots
-from baselines.segment_times.model import Family, Scales, model_of
-from study.deadline import noted
+from baselines.segment_times.model import Family, model_of
+from study.deadline import Deadline
 from study.problem import Floats, Problem
 
 EXACT = 1e-9
@@ -32,8 +31,8 @@ class Optimum:
     Attributes
     ----------
     x : array
-        Variables of the family, scaled.
-    total : float, s
+        Variables of the family.
+    total : float
         Sum of the durations, infinite where there is no motion.
     excess : float
         Stretch that the peaks held by points still need, less 1; other limits are bounds of the NLP.
@@ -63,17 +62,15 @@ class Exchange:
     ----------
     family : Family
     problem : Problem
-    scales : Scales
-    shortest : float, s
-        Lower bound on every duration.
-    deadline : float
-        Reading of `time.perf_counter` after which no new solve begins.
+        Dimensionless.
+    deadline : Deadline
+        No new solve begins after it.
     time_limit : float, s
         Wall time of one solve.
     """
 
-    def __init__(self, family: Family, problem: Problem, scales: Scales, deadline: float, time_limit: float) -> None:
-        self.family, self.problem, self.scales, self.deadline = family, problem, scales, deadline
+    def __init__(self, family: Family, problem: Problem, deadline: Deadline, time_limit: float) -> None:
+        self.family, self.problem, self.deadline = family, problem, deadline
         self.model = model_of(family, time_limit)
         self.slots = {order: Slots(shape, pooled=family.pooled) for order, shape in family.slot_shapes.items()}
 
@@ -81,14 +78,14 @@ class Exchange:
         """Put the peaks that come near their limits into the slots; return the stretch that the highest needs."""
         needed = 0.0
         for order, slot in self.slots.items():
-            critical = self.family.critical(self.problem, x, self.scales, order)
+            critical = self.family.critical(self.problem, x, order)
             slot.refresh(critical, threshold, bent)
             needed = max(needed, float(np.abs(critical.ratios).max()) ** (1 / order))
         return needed
 
     def run(self, durations: Floats) -> Optimum:
         """Run the exchange from given durations."""
-        return self.run_from(self.family.lift(self.problem, durations, self.scales))
+        return self.run_from(self.family.lift(self.problem, durations))
 
     def run_from(self, x: Floats) -> Optimum:
         """Run the exchange from given variables until no limit breaks and the total stands still."""
@@ -96,7 +93,7 @@ class Exchange:
         self.offer(x, threshold=FIRST, bent=False)
         best = Optimum(x, np.inf, np.inf, "the solver did not run", 0, 0, 0)
         for _ in range(MAX_ROUNDS):
-            if noted(time.perf_counter() > self.deadline):
+            if self.deadline.passed():
                 return replace(best, message="the time limit was reached")
             solution = self._solve(best.x, multipliers)
             multipliers = solution.multipliers
@@ -108,10 +105,10 @@ class Exchange:
     def _judged(self, last: Optimum, solution: Solution) -> Optimum:
         """Take the solver's answer, find where it breaks the limits and prepare the next round."""
         x = solution.x
-        finite = bool(np.isfinite(x).all() and (self.family.durations(x, self.scales) > 0).all())
+        finite = bool(np.isfinite(x).all() and (self.family.durations(x) > 0).all())
         return Optimum(
             x if finite else last.x,
-            float(self.family.durations(x, self.scales).sum()) if finite else np.inf,
+            float(self.family.durations(x).sum()) if finite else np.inf,
             self.offer(x) - 1 if finite else np.inf,
             "" if solution.success and finite else f"IPOPT: {solution.status}",
             last.rounds + 1,
@@ -126,8 +123,8 @@ class Exchange:
 
     def _call(self, x: Floats, multipliers: dict[str, Floats]) -> Solution:
         solver = self.model.warm if multipliers else self.model.cold
-        lbx, ubx = self.family.variable_bounds(self.problem, self.scales)
-        lbg, ubg = self.family.row_bounds(self.problem, self.slots, self.scales)
-        p = self.family.parameters(self.problem, self.slots, self.scales)
+        lbx, ubx = self.family.variable_bounds(self.problem)
+        lbg, ubg = self.family.row_bounds(self.problem, self.slots)
+        p = self.family.parameters(self.problem, self.slots)
         p = np.concatenate([p, x]) if self.model.rows.proximal else p
         return solver.solve(x0=x, p=p, lbx=lbx, ubx=ubx, lbg=lbg, ubg=ubg, **multipliers)

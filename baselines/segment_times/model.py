@@ -1,8 +1,7 @@
 """CasADi models of the curve families: symbolic rows, the IPOPT solvers built from them, and their numeric side.
 
-Everything is scaled: times by `Scales.time`, every joint's positions by its range, rates by their limits. A row of the
-model is a rate over its limit at one point of one piece, so every row lies in [-1, 1]. The points are parameters; a model is
-built once for each family and shape and serves every problem and every exchange round.
+Problems are dimensionless. A row of the model is a rate over its limit at a point of a piece, so every row lies in [-1, 1].
+The points are parameters; a model is built once for each family and shape and serves every problem and exchange round.
 """
 
 from __future__ import annotations
@@ -11,29 +10,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
-import numpy as np
-
 from baselines.ipopt import Ipopt, alone
 from baselines.segment_times.critical_points import Critical, Slots
 from study.problem import Floats, Problem
-
-
-@dataclass(frozen=True, eq=False)
-class Scales:
-    """Units of a scaled problem: one time, s, and one length for every joint, rad or m."""
-
-    time: float
-    position: Floats
-
-    @classmethod
-    def of(cls, problem: Problem, durations: Floats) -> Scales:
-        """Take the mean duration and the largest step of every joint."""
-        steps = np.abs(np.diff(problem.waypoints, axis=0)).max(axis=0)
-        return cls(float(durations.mean()), np.where(steps > 0, steps, 1.0))
-
-    def weights(self, problem: Problem) -> Floats:
-        """Scaled rate times this is the rate over its limit, shape (3, n_joints); 0 where there is no limit."""
-        return self.position / problem.limits.rates / self.time ** np.arange(1, 4)[:, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,22 +49,22 @@ class Family(Protocol):
     def rows(self) -> Rows:
         """Build the symbolic model."""
 
-    def lift(self, problem: Problem, durations: Floats, scales: Scales) -> Floats:
+    def lift(self, problem: Problem, durations: Floats) -> Floats:
         """Variables of given durations."""
 
-    def durations(self, x: Floats, scales: Scales) -> Floats:
-        """Durations of given variables, s."""
+    def durations(self, x: Floats) -> Floats:
+        """Durations of given variables."""
 
-    def variable_bounds(self, problem: Problem, scales: Scales) -> tuple[Floats, Floats]:
+    def variable_bounds(self, problem: Problem) -> tuple[Floats, Floats]:
         """Box of the variables, with no duration below the shortest."""
 
-    def row_bounds(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> tuple[Floats, Floats]:
+    def row_bounds(self, problem: Problem, slots: dict[int, Slots]) -> tuple[Floats, Floats]:
         """Lower and upper bound of every row; a free slot has none."""
 
-    def parameters(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> Floats:
+    def parameters(self, problem: Problem, slots: dict[int, Slots]) -> Floats:
         """Values of the parameters."""
 
-    def critical(self, problem: Problem, x: Floats, scales: Scales, order: int) -> Critical:
+    def critical(self, problem: Problem, x: Floats, order: int) -> Critical:
         """Points to offer to the slots of an order."""
 
 

@@ -1,29 +1,31 @@
-"""Segment-time NLP: the shortest durations on a curve family by IPOPT, with every limit held between points too.
+"""Nonlinear program over segment durations on a curve family, with every limit held between points too.
 
 The limits are semi-infinite: they hold at every instant. The exchange holds them at a few points, solves, lets exact extrema
 find where they break, adds those points and solves again; a stretch by about 1 + 1e-9 then makes the answer feasible to the
-last digit. The curve families and what each gives away are in `_families` and `_family_bspline`.
+last digit. The curve families are in `polynomial_curves` and `bspline_curve`.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
 
+from baselines.base import Deterministic, longest, parts, where_something_moves
 from baselines.segment_times.bspline_curve import BSpline, velocity_bound
 from baselines.segment_times.exchange import Exchange, Optimum
-from baselines.segment_times.model import Family, Scales
+from baselines.segment_times.model import Family
 from baselines.segment_times.polynomial_curves import CubicSpline, Poly353, limited_orders
 from baselines.segment_times.starts import feasible, starts
+from baselines.units import dimensionless, largest_steps
 from study.curves import curve_named
+from study.deadline import Deadline
 from study.errors import StudyError, unknown
 from study.formulation import Scaled, stretch
-from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status, Synchronisation
-from study.problem import Demand, Floats, Problem
+from study.planning import Freedom, Plan, RunSettings, Status, Synchronisation
+from study.problem import Floats, Problem
 
 AGREEING = 1e-7
 """Relative distance at which two totals are the same optimum."""
@@ -106,28 +108,33 @@ def optimise(
     StudyError
         If the curve is unknown or does not fit the waypoints.
     """
-    family, began = curve_named(curve), time.perf_counter()
+    family, deadline = curve_named(curve), Deadline.after(time_limit)
     transcription = family_of(curve, problem)
     guesses = starts(problem, family, count, seed)
     if first is not None:
         guesses[0] = feasible(problem, family, np.asarray(first, dtype=float))
-    scales = Scales.of(problem, guesses[0])
-    exchange = Exchange(transcription, problem, scales, began + time_limit, time_limit)
-    found = _from_each(exchange, guesses)
-    answer = _answer(exchange, found, curve, time.perf_counter() - began)
+    scaled, units = dimensionless(problem, guesses[0].mean(), largest_steps(problem))
+    exchange = Exchange(transcription, scaled, deadline, time_limit)
+    optima = _from_each(exchange, [guess / units.time for guess in guesses])
+    answer = _answer(problem, curve, optima, units.time * transcription.durations(_best(optima).x))
     return _not_above(answer, Scaled(problem, family).durations(np.array(guesses)))
 
 
 def _from_each(exchange: Exchange, guesses: Iterable[Floats]) -> list[Optimum]:
     """Run every start, a failed one again from twice its durations; two starts that agree are enough."""
-    found: list[Optimum] = []
+    optima: list[Optimum] = []
     for guess in guesses:
         optimum = exchange.run(guess)
-        found.append(optimum if optimum.converged else exchange.run(2.0 * guess))
-        totals = sorted(one.total for one in found if one.converged)
+        optima.append(optimum if optimum.converged else exchange.run(2.0 * guess))
+        totals = sorted(optimum.total for optimum in optima if optimum.converged)
         if len(totals) > 1 and totals[1] <= totals[0] * (1 + AGREEING):
             break
-    return found
+    return optima
+
+
+def _best(optima: list[Optimum]) -> Optimum:
+    """Converged before others, then by total time once no limit is broken any more."""
+    return min(optima, key=lambda optimum: (not optimum.converged, optimum.total * (1 + max(optimum.excess, 0.0))))
 
 
 def _not_above(answer: Answer, reached: Floats) -> Answer:
@@ -140,29 +147,26 @@ def _not_above(answer: Answer, reached: Floats) -> Answer:
     return replace(answer, durations=reached[best], message=reason)
 
 
-def _answer(exchange: Exchange, found: list[Optimum], curve: str, seconds: float) -> Answer:
-    problem = exchange.problem
-    best = min(found, key=lambda optimum: (not optimum.converged, optimum.total * (1 + max(optimum.excess, 0.0))))
-    iterations = sum(optimum.iterations for optimum in found)
-    durations = np.maximum(exchange.family.durations(best.x, exchange.scales), problem.duration_bounds[0])
+def _answer(problem: Problem, curve: str, optima: list[Optimum], durations: Floats) -> Answer:
+    """Make the durations of the best optimum exactly feasible, and count what all of them took."""
+    best, durations = _best(optima), np.maximum(durations, problem.duration_bounds[0])
     usable = np.isfinite(best.excess) and bool((durations > 0).all())
     factor = max(float(stretch(problem, curve_named(curve), durations[None])[0]), 1.0) if usable else np.inf
-    agreeing = sum(optimum.converged and optimum.total <= best.total * (1 + AGREEING) for optimum in found)
+    agreeing = sum(optimum.converged and optimum.total <= best.total * (1 + AGREEING) for optimum in optima)
     details = {
         "exchange_rounds": float(best.rounds),
         "constraint_points": float(best.points),
         "stretch": factor,
-        "starts": float(len(found)),
+        "starts": float(len(optima)),
         "starts_agreeing": float(agreeing),
-        "solve_seconds": seconds,
     }
     message = "" if best.converged else best.message or f"limits still broken by {best.excess:.2g} between the points"
-    return Answer(durations * factor, message, iterations, details)
+    return Answer(durations * factor, message, sum(optimum.iterations for optimum in optima), details)
 
 
 @dataclass(frozen=True)
-class CasadiNlp:
-    """The planner `casadi-nlp`.
+class CasadiNlp(Deterministic):
+    """Planner `casadi-nlp`.
 
     Parameters
     ----------
@@ -173,24 +177,22 @@ class CasadiNlp:
     starts: int = 3
     about: ClassVar[str] = "segment durations by nonlinear programming (CasADi and IPOPT)"
     freedom: ClassVar[Freedom] = Freedom.CURVE
-    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
-    stochastic: ClassVar[bool] = False
 
+    @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Optimise all joints together, or each alone and then take the longest duration of every segment.
-
-        Raises
-        ------
-        StudyError
-            If the curve is unknown or does not fit the waypoints.
-        """
-        alone = settings.synchronisation is Synchronisation.PER_JOINT
-        parts = [problem.joint(j) for j in range(problem.n_joints)] if alone else [problem]
-        share = settings.time_limit / len(parts)
+        """Optimise all joints together, or each alone and then take the longest duration of every segment."""
+        problems = parts(problem, settings)
         answers = [
-            optimise(part, settings.curve, seed=settings.seed, count=self.starts, time_limit=share) for part in parts
+            optimise(
+                part,
+                settings.curve,
+                seed=settings.seed,
+                count=self.starts,
+                time_limit=settings.time_limit / len(problems),
+            )
+            for part in problems
         ]
-        durations = np.max([answer.durations for answer in answers], axis=0)
+        durations = longest(answer.durations for answer in answers)
         reasons = "; ".join(dict.fromkeys(answer.message for answer in answers if answer.message))
         iterations = sum(answer.iterations for answer in answers)
         if not np.isfinite(durations).all():
@@ -214,9 +216,5 @@ def _together(answers: list[Answer]) -> dict[str, float]:
 
 
 def _bound(problem: Problem, settings: RunSettings) -> dict[str, float]:
-    if settings.curve != "bspline" or settings.synchronisation is not Synchronisation.SHARED:
-        return {}
-    return {"lower_bound": velocity_bound(problem)}
-
-
-CASADI_NLP = CasadiNlp()
+    shared = settings.synchronisation is Synchronisation.SHARED
+    return {"lower_bound": velocity_bound(problem)} if settings.curve == "bspline" and shared else {}

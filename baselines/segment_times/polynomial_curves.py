@@ -9,7 +9,8 @@ import numpy as np
 
 from baselines.ipopt import ca
 from baselines.segment_times.critical_points import Critical, Slots, polynomial_critical
-from baselines.segment_times.model import Rows, Scales
+from baselines.segment_times.model import Rows
+from study import polynomial
 from study.curves import cubic_spline, cubic_spline_smooth, curve_named
 from study.errors import StudyError
 from study.problem import Floats, Problem
@@ -24,7 +25,7 @@ def limited_orders(problem: Problem) -> tuple[int, ...]:
 
 
 def shortest_of(problem: Problem) -> float:
-    """Lower bound on every duration, s; never quite zero, for a segment without a duration has no motion."""
+    """Lower bound on every duration; never quite zero, for a segment without a duration has no motion."""
     lower, upper = problem.duration_bounds
     return max(lower, min(1e-6, 1e-7 * upper))
 
@@ -104,6 +105,12 @@ def slot_bounds(slots: dict[int, Slots], rates: Floats) -> list[Floats]:
     ]
 
 
+def problem_values(problem: Problem, slots: dict[int, Slots]) -> Floats:
+    """Parameters of a model: steps, one over every limit, and the slots' points and bends."""
+    steps = np.diff(problem.waypoints, axis=0)
+    return np.concatenate([flat(steps), flat(1 / problem.limits.rates), *slot_values(slots)])
+
+
 @dataclass(frozen=True)
 class Poly353:
     """Cubic-quintic-cubic: three durations, nothing else.
@@ -136,55 +143,42 @@ class Poly353:
         )
         v1, a1 = 3 * d[0, :] * (h[1] / h[0]), 6 * d[0, :] * (h[1] / h[0]) ** 2
         v2, a2 = 3 * d[2, :] * (h[1] / h[2]), -6 * d[2, :] * (h[1] / h[2]) ** 2
-        middle = hermite_quintic(d[1, :], v1, v2, a1, a2)
+        middle = [0, *polynomial.hermite_quintic(d[1, :], v1, v2, a1, a2)]
         rows = [r for k in self.orders for r in rate_rows(middle, h[1], weights[k - 1, :], k, u[k])]
         p = ca.vertcat(ca.vec(d), ca.vec(weights), *stacked(u))
         return Rows(h, p, ca.sum1(h), ca.vertcat(*rows), equal=0)
 
-    def lift(self, problem: Problem, durations: Floats, scales: Scales) -> Floats:
+    def lift(self, problem: Problem, durations: Floats) -> Floats:
         """Variables of given durations."""
-        return durations / scales.time
+        return durations
 
-    def durations(self, x: Floats, scales: Scales) -> Floats:
-        """Durations of given variables, s."""
-        return x * scales.time
+    def durations(self, x: Floats) -> Floats:
+        """Durations of given variables."""
+        return x
 
-    def motion(self, problem: Problem, x: Floats, scales: Scales) -> Trajectory:
+    def motion(self, problem: Problem, x: Floats) -> Trajectory:
         """Motion of given variables."""
-        return trajectory_of("poly353", problem, self.durations(x, scales))
+        return trajectory_of("poly353", problem, self.durations(x))
 
-    def variable_bounds(self, problem: Problem, scales: Scales) -> tuple[Floats, Floats]:
+    def variable_bounds(self, problem: Problem) -> tuple[Floats, Floats]:
         """Shortest durations, for the first and the last segment the closed forms of the cubics."""
         ends = np.abs(np.diff(problem.waypoints, axis=0))[[0, 2]]
         needed = (ends[:, None, :] * np.array([3.0, 6.0, 6.0])[:, None] / problem.limits.rates).max(axis=2)
         first, last = (needed ** (1 / np.arange(1, 4))).max(axis=1)
-        return np.maximum([first, 0.0, last], shortest_of(problem)) / scales.time, np.full(3, np.inf)
+        return np.maximum([first, 0.0, last], shortest_of(problem)), np.full(3, np.inf)
 
-    def row_bounds(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> tuple[Floats, Floats]:
+    def row_bounds(self, problem: Problem, slots: dict[int, Slots]) -> tuple[Floats, Floats]:
         """Every row in [-1, 1]."""
         upper = np.concatenate(slot_bounds(slots, problem.limits.rates))
         return -upper, upper
 
-    def parameters(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> Floats:
+    def parameters(self, problem: Problem, slots: dict[int, Slots]) -> Floats:
         """Steps, weights and points."""
-        steps = np.diff(problem.waypoints, axis=0) / scales.position
-        return np.concatenate([flat(steps), flat(scales.weights(problem)), *slot_values(slots)])
+        return problem_values(problem, slots)
 
-    def critical(self, problem: Problem, x: Floats, scales: Scales, order: int) -> Critical:
+    def critical(self, problem: Problem, x: Floats, order: int) -> Critical:
         """Critical points of the quintic."""
-        return polynomial_critical(problem, self.motion(problem, x, scales), order, slice(1, 2))
-
-
-def hermite_quintic(step: Any, v1: Any, v2: Any, a1: Any, a2: Any) -> list[Any]:
-    """Unit coefficients, from 0, of the quintic with the given step, unit velocities and unit accelerations at its ends."""
-    return [
-        0 * step,
-        v1,
-        a1 / 2,
-        10 * step - 6 * v1 - 4 * v2 - 1.5 * a1 + 0.5 * a2,
-        -15 * step + 8 * v1 + 7 * v2 + 1.5 * a1 - a2,
-        6 * step - 3 * v1 - 3 * v2 - 0.5 * a1 + 0.5 * a2,
-    ]
+        return polynomial_critical(problem, self.motion(problem, x), order, slice(1, 2))
 
 
 @dataclass(frozen=True)
@@ -247,31 +241,30 @@ class CubicSpline:
         rest = ca.SX.zeros(1, self.n_joints)
         return ca.vertcat(start, rest) - ca.vertcat(rest, stop)
 
-    def lift(self, problem: Problem, durations: Floats, scales: Scales) -> Floats:
+    def lift(self, problem: Problem, durations: Floats) -> Floats:
         """Durations and the accelerations that follow from them."""
         if self.smooth:
             m = cubic_spline_smooth.accelerations(problem.waypoints, durations[None])[0, 1:-1]
         else:
             m = cubic_spline.accelerations(problem.waypoints, durations[None])[0]
-        return np.concatenate([durations / scales.time, flat(m * scales.time**2 / scales.position)])
+        return np.concatenate([durations, flat(m)])
 
-    def durations(self, x: Floats, scales: Scales) -> Floats:
-        """Durations of given variables, s."""
-        return x[: self.n_waypoints - 1] * scales.time
+    def durations(self, x: Floats) -> Floats:
+        """Durations of given variables."""
+        return x[: self.n_waypoints - 1]
 
-    def motion(self, problem: Problem, x: Floats, scales: Scales) -> Trajectory:
+    def motion(self, problem: Problem, x: Floats) -> Trajectory:
         """Motion of the durations; the accelerations follow from them."""
         name = "cubic-spline-smooth" if self.smooth else "cubic-spline"
-        return trajectory_of(name, problem, self.durations(x, scales))
+        return trajectory_of(name, problem, self.durations(x))
 
-    def variable_bounds(self, problem: Problem, scales: Scales) -> tuple[Floats, Floats]:
+    def variable_bounds(self, problem: Problem) -> tuple[Floats, Floats]:
         """Shortest durations, and the acceleration limits."""
-        with np.errstate(divide="ignore"):
-            peak = np.broadcast_to(1 / scales.weights(problem)[1], (self.n_accelerations, self.n_joints))
-        lower = np.full(self.n_waypoints - 1, shortest_of(problem) / scales.time)
+        peak = np.broadcast_to(problem.limits.acceleration, (self.n_accelerations, self.n_joints))
+        lower = np.full(self.n_waypoints - 1, shortest_of(problem))
         return np.concatenate([lower, -flat(peak)]), np.concatenate([np.full_like(lower, np.inf), flat(peak)])
 
-    def row_bounds(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> tuple[Floats, Floats]:
+    def row_bounds(self, problem: Problem, slots: dict[int, Slots]) -> tuple[Floats, Floats]:
         """Zero for the equations, [-1, 1] for the limits."""
         upper = [np.zeros(self.n_accelerations * self.n_joints)]
         if 3 in self.orders:
@@ -280,14 +273,13 @@ class CubicSpline:
         upper += slot_bounds(slots, problem.limits.rates)
         return -np.concatenate(upper), np.concatenate(upper)
 
-    def parameters(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> Floats:
+    def parameters(self, problem: Problem, slots: dict[int, Slots]) -> Floats:
         """Steps, weights and points."""
-        steps = np.diff(problem.waypoints, axis=0) / scales.position
-        return np.concatenate([flat(steps), flat(scales.weights(problem)), *slot_values(slots)])
+        return problem_values(problem, slots)
 
-    def critical(self, problem: Problem, x: Floats, scales: Scales, order: int) -> Critical:
+    def critical(self, problem: Problem, x: Floats, order: int) -> Critical:
         """Critical points of every piece."""
-        return polynomial_critical(problem, self.motion(problem, x, scales), order)
+        return polynomial_critical(problem, self.motion(problem, x), order)
 
 
 def _halved(h: Any, m: Any, d: Any) -> tuple[Any, Any, Any]:

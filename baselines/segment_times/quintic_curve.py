@@ -6,40 +6,27 @@ Only their end conditions matter: a clamped spline has an acceleration at its en
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from baselines.ipopt import ca
 from baselines.segment_times.critical_points import Critical, Slots, polynomial_critical
-from baselines.segment_times.model import Rows, Scales
+from baselines.segment_times.model import Rows
 from baselines.segment_times.polynomial_curves import (
     flat,
-    hermite_quintic,
+    problem_values,
     rate_rows,
     shortest_of,
     slot_bounds,
     slot_symbols,
-    slot_values,
     stacked,
 )
+from study import polynomial
 from study.curves import curve_named
 from study.problem import EndCondition, Floats, Problem
 from study.trajectory import Motion, Trajectory
-
-HERMITE = np.array(
-    [
-        [1, 0, 0, 0, 0, 0],
-        [0, 1, 0, 0, 0, 0],
-        [0, 0, 0.5, 0, 0, 0],
-        [-10, -6, -1.5, 10, -4, 0.5],
-        [15, 8, 1.5, -15, 7, -1],
-        [-6, -3, -0.5, 6, -3, 0.5],
-    ]
-)
-"""Ascending unit coefficients from position, velocity and acceleration at the start, then at the end."""
-
 
 FIRST_POINTS = {1: (0.25, 0.5, 0.75), 2: (1 / 3, 2 / 3), 3: (0.0, 0.5, 1.0)}
 """With the bounds at the waypoints enough points to fix each rate's polynomial, so that a first solve cannot stray far."""
@@ -78,7 +65,7 @@ class Quintic:
         d, weights, u = ca.SX.sym("d", n, joints), ca.SX.sym("w", 3, joints), slot_symbols(self.slot_shapes)
         wide = ca.repmat(h, 1, joints)
         speeds, bends = (v[:-1, :] * wide, v[1:, :] * wide), (a[:-1, :] * wide**2, a[1:, :] * wide**2)
-        pieces = hermite_quintic(d, *speeds, *bends)
+        pieces = [0, *polynomial.hermite_quintic(d, *speeds, *bends)]
         rows = [r for k in self.orders for r in rate_rows(pieces, h, weights[k - 1, :], k, u[k])]
         x = ca.vertcat(h, ca.vec(v), ca.vec(a))
         start = ca.SX.sym("start", *x.shape)
@@ -86,60 +73,56 @@ class Quintic:
         total = ca.sum1(h) + PULL * ca.sumsqr(x[n:] - start[n:])
         return Rows(x, p, total, ca.vertcat(*rows), equal=0, proximal=True)
 
-    def lift(self, problem: Problem, durations: Floats, scales: Scales) -> Floats:
+    def lift(self, problem: Problem, durations: Floats) -> Floats:
         """Rates at the waypoints of the clamped cubic spline with these durations."""
-        return self.lift_motion(curve_named("cubic-spline").motion(problem.waypoints, durations), problem, scales)
+        return self.lift_motion(curve_named("cubic-spline").motion(problem.waypoints, durations), problem)
 
-    def lift_motion(self, motion: Motion, problem: Problem, scales: Scales) -> Floats:
+    def lift_motion(self, motion: Motion, problem: Problem) -> Floats:
         """Rates of a motion at the waypoints, as far as the end condition allows them."""
         times = motion.waypoint_times
-        unit = scales.time ** np.array([1, 2])[:, None, None] / scales.position
-        rates = np.array([motion(times, 1), motion(times, 2)]) * unit
+        rates = np.array([motion(times, 1), motion(times, 2)])
         held = _held(problem)
         rates[held, 0] = rates[held, -1] = 0.0
-        return np.concatenate([np.diff(times) / scales.time, flat(rates[0]), flat(rates[1])])
+        return np.concatenate([np.diff(times), flat(rates[0]), flat(rates[1])])
 
-    def durations(self, x: Floats, scales: Scales) -> Floats:
-        """Durations of given variables, s."""
-        return x[: self.n_waypoints - 1] * scales.time
+    def durations(self, x: Floats) -> Floats:
+        """Durations of given variables."""
+        return x[: self.n_waypoints - 1]
 
-    def motion(self, problem: Problem, x: Floats, scales: Scales) -> Trajectory:
+    def motion(self, problem: Problem, x: Floats) -> Trajectory:
         """Motion of given variables."""
-        n, h = self.n_waypoints, self.durations(x, scales)
-        speed, bend = np.moveaxis(x[n - 1 :].reshape(2, self.n_joints, n), 2, 1) * scales.position
-        wide = x[: n - 1, None]
-        start = [problem.waypoints[:-1], speed[:-1] * wide, bend[:-1] * wide**2]
-        stop = [problem.waypoints[1:], speed[1:] * wide, bend[1:] * wide**2]
-        unit = np.einsum("ck,kpj->pcj", HERMITE, np.array(start + stop))
+        n, h = self.n_waypoints, self.durations(x)
+        speed, bend = np.moveaxis(x[n - 1 :].reshape(2, self.n_joints, n), 2, 1)
+        speeds, bends = ([rate[:-1] * w, rate[1:] * w] for rate, w in ((speed, h[:, None]), (bend, h[:, None] ** 2)))
+        quintic = polynomial.hermite_quintic(np.diff(problem.waypoints, axis=0), *speeds, *bends)
+        unit = np.stack([problem.waypoints[:-1], *quintic], axis=1)
         return Trajectory.from_pieces(h, unit / (h[:, None] ** np.arange(6))[:, :, None])
 
-    def variable_bounds(self, problem: Problem, scales: Scales) -> tuple[Floats, Floats]:
+    def variable_bounds(self, problem: Problem) -> tuple[Floats, Floats]:
         """Shortest durations, and at the waypoints the limits and the end condition."""
-        with np.errstate(divide="ignore"):
-            peaks = np.repeat(1 / scales.weights(problem)[:2, None, :], self.n_waypoints, axis=1)
+        peaks = np.repeat(problem.limits.rates[:2, None, :], self.n_waypoints, axis=1)
         held = _held(problem)
         peaks[held, 0] = peaks[held, -1] = 0.0
-        lower = np.full(self.n_waypoints - 1, shortest_of(problem) / scales.time)
+        lower = np.full(self.n_waypoints - 1, shortest_of(problem))
         rates = np.concatenate([flat(peaks[0]), flat(peaks[1])])
         return np.concatenate([lower, -rates]), np.concatenate([np.full_like(lower, np.inf), rates])
 
-    def row_bounds(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> tuple[Floats, Floats]:
+    def row_bounds(self, problem: Problem, slots: dict[int, Slots]) -> tuple[Floats, Floats]:
         """Every row in [-1, 1]."""
         upper = np.concatenate(slot_bounds(slots, problem.limits.rates))
         return -upper, upper
 
-    def parameters(self, problem: Problem, slots: dict[int, Slots], scales: Scales) -> Floats:
+    def parameters(self, problem: Problem, slots: dict[int, Slots]) -> Floats:
         """Steps, weights and points."""
-        steps = np.diff(problem.waypoints, axis=0) / scales.position
-        return np.concatenate([flat(steps), flat(scales.weights(problem)), *slot_values(slots)])
+        return problem_values(problem, slots)
 
-    def critical(self, problem: Problem, x: Floats, scales: Scales, order: int) -> Critical:
+    def critical(self, problem: Problem, x: Floats, order: int) -> Critical:
         """Critical points of every segment."""
-        found = polynomial_critical(problem, self.motion(problem, x, scales), order)
+        critical = polynomial_critical(problem, self.motion(problem, x), order)
         if order == 3:
-            return found
-        inside = (found.points > 0) & (found.points < 1)  # at the ends the limit is a bound already
-        return Critical(found.points, np.where(inside, found.ratios, 0.0), found.bends)
+            return critical
+        inside = (critical.points > 0) & (critical.points < 1)  # at the ends the limit is a bound already
+        return replace(critical, ratios=np.where(inside, critical.ratios, 0.0))
 
 
 def _held(problem: Problem) -> list[int]:

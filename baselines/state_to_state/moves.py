@@ -1,4 +1,4 @@
-"""Ruckig between two states: the minimum time of one synchronised move, and its profiles as exact cubic pieces.
+"""Minimum-time moves between two states by Ruckig, their profiles as exact cubic pieces.
 
 Only the local, state-to-state part of Ruckig is used. Its way of passing several points in one call belongs to a remote
 service and has no place in this project.
@@ -7,13 +7,16 @@ service and has no place in this project.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 import ruckig
 
+from baselines.base import NOTHING_MOVES
+from baselines.units import Units, dimensionless
+from study import polynomial
 from study.errors import StudyError
 from study.problem import Floats, JointLimits, Problem, usual_bounds
 from study.trajectory import Trajectory
@@ -121,16 +124,8 @@ def merge(phases: Sequence[_Phases], duration: float) -> tuple[Floats, Floats]:
     columns = []
     for joint in phases:
         index = np.searchsorted(joint.starts, middles, side="right") - 1
-        columns.append(shifted(joint.coefficients[index], knots[:-1] - joint.starts[index]))
+        columns.append(polynomial.shifted(joint.coefficients[index], knots[:-1] - joint.starts[index]))
     return np.diff(knots), np.stack(columns, axis=2)
-
-
-def shifted(cubic: Floats, by: Floats) -> Floats:
-    """Cubics, shape (n, 4), rewritten about a later origin, shape (n,): Taylor's formula."""
-    c0, c1, c2, c3 = cubic.T
-    return np.stack(
-        [c0 + by * (c1 + by * (c2 + by * c3)), c1 + by * (2 * c2 + 3 * by * c3), c2 + 3 * by * c3, c3], axis=1
-    )
 
 
 def chain(problem: Problem, states: Sequence[State]) -> Trajectory:
@@ -155,26 +150,30 @@ def chain(problem: Problem, states: Sequence[State]) -> Trajectory:
         coefficients.append(cubic)
         counts.append(len(width))
     if not widths:
-        raise StudyError(f"case {problem.name!r}: all waypoints are equal, so there is nothing to move")
+        raise StudyError(f"case {problem.name!r}: {NOTHING_MOVES}")
     return Trajectory.from_pieces(np.concatenate(widths), np.concatenate(coefficients), np.array(counts))
 
 
-def in_own_time(problem: Problem) -> tuple[Problem, float]:
+def stop_everywhere(problem: Problem) -> Trajectory:
+    """Join the minimum-time moves from rest to rest.
+
+    Raises
+    ------
+    StudyError
+        If Ruckig finds no move, or nothing moves at all.
+    """
+    return chain(problem, [at_rest(row) for row in problem.waypoints])
+
+
+def in_own_time(problem: Problem) -> tuple[Problem, Units]:
     """Measure time in a unit in which moves take seconds: Ruckig's tolerances are absolute, and it refuses hours.
 
-    Returns
-    -------
-    problem : Problem
-        The same one with limits per unit; its motions, scaled by the unit, are the given problem's.
-    unit : float, s
-        A power of two, so that scaling is exact; 1 for moves between hundredths of a second and a quarter of an hour.
+    The unit is a power of two, so that scaling is exact, and 1 s for moves between hundredths of a second and a quarter of
+    an hour.
     """
     longest = usual_bounds(problem.waypoints, problem.limits)[1] / 10
-    if 1e-2 < longest < 1e3:
-        return problem, 1.0
-    unit = float(2.0 ** np.round(np.log2(longest)))
-    low, high = problem.duration_bounds
-    return replace(problem, limits=problem.limits.scaled(1 / unit), duration_bounds=(low / unit, high / unit)), unit
+    unit = 1.0 if 1e-2 < longest < 1e3 else float(2.0 ** np.round(np.log2(longest)))
+    return dimensionless(problem, unit, np.ones(problem.n_joints))
 
 
 def _stands_still(start: State, end: State) -> bool:

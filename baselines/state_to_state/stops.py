@@ -1,4 +1,4 @@
-"""Ruckig from rest to rest between neighbouring waypoints: what a controller does without any planning.
+"""Minimum-time moves from rest to rest between neighbouring waypoints, as a controller drives them without planning.
 
 References
 ----------
@@ -10,11 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
-from baselines.state_to_state.moves import at_rest, chain, in_own_time
-from study.errors import StudyError
-from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from baselines.base import Deterministic, where_something_moves
+from baselines.state_to_state.moves import in_own_time, stop_everywhere
+from study.planning import RATE_LIMITS, Plan, RunSettings, Status
 from study.problem import Demand, Problem
 from study.trajectory import Trajectory
 
@@ -30,26 +28,20 @@ def ruckig_stops(problem: Problem) -> Trajectory:
     StudyError
         If no joint moves, or a joint that moves has no limit at all.
     """
-    problem, unit = in_own_time(problem)
-    return chain(problem, [at_rest(row) for row in problem.waypoints]).scaled(unit)
+    scaled, units = in_own_time(problem)
+    return units.motion(stop_everywhere(scaled))
 
 
 @dataclass(frozen=True)
-class RuckigStops:
+class RuckigStops(Deterministic):
     """Planner `ruckig-stops`: rest to rest between neighbouring waypoints."""
 
     about: ClassVar[str] = "Ruckig from waypoint to waypoint, with a stop at each"
-    freedom: ClassVar[Freedom] = Freedom.FREE
     knows: ClassVar[frozenset[Demand]] = RATE_LIMITS | {
         Demand.POSITION_RANGE
     }  # a stop never leaves the waypoints' range
-    stochastic: ClassVar[bool] = False
 
+    @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Move and stop, waypoint by waypoint; the settings do not matter."""
-        if not np.ptp(problem.waypoints, axis=0).any():
-            return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
-        try:
-            return Plan(Status.FINISHED, motion=ruckig_stops(problem))
-        except StudyError as error:
-            return Plan(Status.FAILED, message=str(error))
+        return Plan(Status.FINISHED, motion=ruckig_stops(problem))

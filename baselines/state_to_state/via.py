@@ -1,10 +1,12 @@
-"""Ruckig through the waypoints: how the joints pass each waypoint is optimised offline, Ruckig does every move between.
+"""Optimised via states with Ruckig's minimum-time moves between them.
 
 Each move takes as long as its slowest joint, so the total time is a sum of maxima, which has kinks: a step that helps one
-joint alone rarely helps. The search therefore solves a linear program for all choices at once: minimise the sum of the
+joint alone rarely helps. The search therefore solves a linear program for all via states at once: minimise the sum of the
 moves' times under linear models of every joint's own minimum time, in a box that shrinks when the true total does not
-follow. It starts from stopping everywhere, from the slopes between waypoints, and from the way in which the free-path NLP
-passes the waypoints; between the same states Ruckig is never slower than the NLP.
+follow. It starts from stopping everywhere, from the slopes between waypoints, and from the states in which the motion of the
+free-path program passes the waypoints. That motion is itself among the answers: it holds all limits where Ruckig, told to
+take longer than a joint needs, may exceed a velocity limit by up to 1 %, and where a joint that hardly moves may be unable to
+arrive in its neighbours' time.
 
 References
 ----------
@@ -14,23 +16,22 @@ first of the two stages.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from enum import Enum
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from scipy import sparse
 from scipy.optimize import linprog
 
-from baselines.free_path.nlp import free_path
-from baselines.state_to_state.moves import at_rest, chain, in_own_time
-from baselines.state_to_state.via_times import Model, Passing, Timing
-from study.deadline import noted
-from study.errors import StudyError
+from baselines.base import Deterministic, where_something_moves
+from baselines.free_path.nlp import free_path, surplus
+from baselines.state_to_state.moves import chain, in_own_time, stop_everywhere
+from baselines.state_to_state.via_times import Model, Timing, ViaStates
+from study.deadline import Deadline
 from study.judge import judge
-from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
-from study.problem import Demand, Floats, Problem
+from study.planning import Plan, RunSettings, Status
+from study.problem import Floats, Problem
 from study.trajectory import Trajectory
 
 FIRST_RADIUS, LAST_RADIUS = 0.3, 1e-7
@@ -39,16 +40,15 @@ GAIN = 1e-9
 """Relative gain that the linear model must promise for the search to go on."""
 
 
-def improve(timing: Timing, x: Floats, deadline: float, rounds: int) -> tuple[Floats, float, int]:
+def improve(timing: Timing, x: Floats, deadline: Deadline, rounds: int) -> tuple[Floats, float, int]:
     """Lower the total time from one start by linear programs in a shrinking box.
 
     Parameters
     ----------
     timing : Timing
     x : array of shape (2, n_waypoints, n_joints)
-        Choices at the waypoints.
-    deadline : float, s
-        On the clock of `time.monotonic`.
+        Variables at the waypoints.
+    deadline : Deadline
     rounds : int
         Linear programs at most.
 
@@ -62,8 +62,8 @@ def improve(timing: Timing, x: Floats, deadline: float, rounds: int) -> tuple[Fl
     if not np.isfinite(times).all():
         return x, np.inf, 0
     model, radius, done = timing.model(x, times, own), FIRST_RADIUS, 0
-    while done < rounds and radius > LAST_RADIUS and not noted(time.monotonic() >= deadline):
-        trial, promised = linear_step(timing.passing, x, model, radius)
+    while done < rounds and radius > LAST_RADIUS and not deadline.passed():
+        trial, promised = linear_step(timing.via, x, model, radius)
         gain = model.times.sum() - promised
         if gain <= GAIN * model.times.sum():
             break
@@ -76,37 +76,37 @@ def improve(timing: Timing, x: Floats, deadline: float, rounds: int) -> tuple[Fl
     return x, float(model.times.sum()), done
 
 
-def linear_step(passing: Passing, x: Floats, model: Model, radius: float) -> tuple[Floats, float]:
+def linear_step(via: ViaStates, x: Floats, model: Model, radius: float) -> tuple[Floats, float]:
     """Minimise the sum of the moves' times, each at least every joint's linear model of its own time.
 
     Returns
     -------
     x : array of shape (2, n_waypoints, n_joints)
-        New choices, within the radius.
+        New variables, within the radius.
     total : float, s
         What the model promises; infinite where the linear program fails.
     """
-    n_free, n_segments = int(passing.free.sum()), len(model.times)
-    start = x[passing.free]
-    reach = np.broadcast_to(passing.reach[:, None], x.shape)[passing.free]
-    low, high = np.maximum(-radius, -reach - start), np.minimum(radius, reach - start)
-    matrix, right = _rows(passing, model)
+    n_free, n_segments = int(via.free.sum()), len(model.times)
+    start = x[via.free]
+    bound = np.broadcast_to(via.bound[:, None], x.shape)[via.free]
+    low, high = np.maximum(-radius, -bound - start), np.minimum(radius, bound - start)
+    matrix, right = _rows(via, model)
     cost = np.append(np.zeros(n_free), np.ones(n_segments))
     bounds = [*zip(low.tolist(), high.tolist(), strict=True), *[(0.0, np.inf)] * n_segments]
     solved = linprog(cost, A_ub=matrix, b_ub=right, bounds=bounds, method="highs")
     if solved.x is None or solved.fun is None:
         return x, np.inf
     trial = x.copy()
-    trial[passing.free] += solved.x[:n_free]
+    trial[via.free] += solved.x[:n_free]
     return trial, float(solved.fun)
 
 
-def _rows(passing: Passing, model: Model) -> tuple[Any, Floats]:
+def _rows(via: ViaStates, model: Model) -> tuple[Any, Floats]:
     """Rows slope . step - T <= -time, for every joint of every move and for every blocked move."""
     n_segments, n_joints = model.own.shape
-    n_free = int(passing.free.sum())
-    column = np.full(passing.free.shape, -1)
-    column[passing.free] = np.arange(n_free)
+    n_free = int(via.free.sum())
+    column = np.full(via.free.shape, -1)
+    column[via.free] = np.arange(n_free)
     row = np.arange(model.own.size).reshape(model.own.shape)
     parts = [(row.ravel(), n_free + np.repeat(np.arange(n_segments), n_joints), -np.ones(model.own.size))]
     for side, rate in np.ndindex(2, 2):
@@ -121,35 +121,58 @@ def _rows(passing: Passing, model: Model) -> tuple[Any, Floats]:
     return sparse.csr_array((values, (rows, columns)), shape=(len(right), n_free + n_segments)), right
 
 
-def starts(timing: Timing, pieces: int, time_limit: float, deadline: float) -> Iterator[Floats]:
-    """Choices to start from: stop everywhere, follow the slopes, pass as the free-path NLP does or a little slower.
+class Via(NamedTuple):
+    """Answer of `ruckig_via`.
 
-    Where the NLP saturates two joints at once, one of them may be able to arrive at that instant but not a rounding error
-    later; a slightly slower pass has room. After the deadline, on the clock of `time.monotonic`, the NLP is not asked.
+    Attributes
+    ----------
+    motion : Trajectory
+        Never slower than stopping at every waypoint.
+    rounds : int
+        Linear programs in all.
+    remark : str
+        Empty where Ruckig's own moves are the fastest motion and keep all limits as they are.
     """
-    passing = timing.passing
-    problem = passing.problem
-    nothing = np.zeros_like(problem.waypoints)
-    yield passing.choices(nothing, nothing)
-    stops = chain(problem, [at_rest(row) for row in problem.waypoints])
+
+    motion: Trajectory
+    rounds: int
+    remark: str
+
+
+class Source(Enum):
+    """Origin of a motion; members read as remarks."""
+
+    MOVES = ""
+    STRETCHED = "Ruckig's moves exceeded a limit and are slowed down to keep it"
+    FREE_PATH = "the free-path program's motion is faster than Ruckig's moves"
+
+
+def slopes(problem: Problem) -> Floats:
+    """Velocities at the waypoints that follow the slopes, shape (n_waypoints, n_joints); 0 where a joint turns."""
+    stops = stop_everywhere(problem)
     durations = np.maximum(np.diff(stops.waypoint_times), 1e-9 * stops.duration)
-    slopes = np.diff(problem.waypoints, axis=0) / durations[:, None]
-    left, right = slopes[:-1], slopes[1:]
-    gentle = nothing.copy()
+    means = np.diff(problem.waypoints, axis=0) / durations[:, None]
+    left, right = means[:-1], means[1:]
+    gentle = np.zeros_like(problem.waypoints)
     gentle[1:-1] = np.where(left * right > 0, np.sign(left) * np.minimum(np.abs(left), np.abs(right)), 0.0)
-    yield passing.choices(gentle, nothing)
-    if noted(time.monotonic() >= deadline):
-        return
-    fast = free_path(problem, pieces, time_limit, deadline).motion
-    slower = [fast.scaled(factor) for factor in SLOWER]
-    passes = [passing.choices(m(m.waypoint_times, 1), m(m.waypoint_times, 2)) for m in slower]
-    yield min(passes, key=lambda x: timing.moves(x)[0].sum())
+    return gentle
 
 
-def ruckig_via(
-    problem: Problem, rounds: int = 200, pieces: int = 8, time_limit: float = 60.0
-) -> tuple[Trajectory, int]:
+def as_passed(timing: Timing, motion: Trajectory) -> Floats:
+    """Variables with which a motion passes the waypoints, or passes them a little slower.
+
+    Where the motion saturates two joints at once, one of them may be able to arrive at that instant but not a rounding error
+    later; a slightly slower pass has room.
+    """
+    slower = [motion.scaled(factor) for factor in SLOWER]
+    passes = [timing.via.variables(m(m.waypoint_times, 1), m(m.waypoint_times, 2)) for m in slower]
+    return min(passes, key=lambda x: timing.moves(x)[0].sum())
+
+
+def ruckig_via(problem: Problem, rounds: int = 200, pieces: int = 8, time_limit: float = 60.0) -> Via:
     """Pass the waypoints as fast as optimised via states and Ruckig's moves between them allow.
+
+    The free-path program gives one of the starts; its own motion is returned where it is the faster one.
 
     Parameters
     ----------
@@ -157,38 +180,45 @@ def ruckig_via(
     rounds : int
         Linear programs from each start.
     pieces : int
-        Pieces per segment of the free-path NLP that gives one of the starts.
+        Pieces per segment of the free-path program.
     time_limit : float, s
-
-    Returns
-    -------
-    trajectory : Trajectory
-        Never slower than stopping at every waypoint.
-    rounds : int
-        Linear programs in all.
 
     Raises
     ------
     StudyError
         If no joint moves, or Ruckig finds no move from stop to stop.
     """
-    problem, unit = in_own_time(problem)
-    found = [chain(problem, [at_rest(row) for row in problem.waypoints])]
-    passing, done = Passing.of(problem), 0
-    if not passing.free.any():
-        return found[0].scaled(unit), 0
-    timing, deadline = Timing(passing), time.monotonic() + time_limit
-    for start in starts(timing, pieces, time_limit / 2, deadline):
-        x, total, count = improve(timing, start, deadline, rounds)
-        done += count
-        if np.isfinite(total):
-            found.append(chain(problem, passing.states(x)))
-    best = min(found, key=lambda motion: (not judge(problem, motion).feasible, motion.duration))
-    return best.scaled(unit), done
+    scaled, units = in_own_time(problem)
+    via, deadline = ViaStates.of(scaled), Deadline.after(time_limit)
+    motions = [(stop_everywhere(scaled), Source.MOVES)]
+    if not via.free.any():
+        return Via(units.motion(motions[0][0]), 0, "")
+    timing, rest = Timing(via), np.zeros_like(scaled.waypoints)
+    starts, free = [via.variables(rest, rest), via.variables(slopes(scaled), rest)], None
+    if not deadline.passed() and surplus(scaled, pieces) >= 0:
+        free = free_path(scaled, pieces, deadline.within(time_limit / 2)).motion
+        starts.append(as_passed(timing, free))
+        motions.append((free, Source.FREE_PATH))
+    improved = [improve(timing, start, deadline, rounds) for start in starts]
+    motions += [(chain(scaled, via.states(x)), Source.MOVES) for x, total, _ in improved if np.isfinite(total)]
+    motion, source = _fastest(scaled, motions)
+    return Via(units.motion(motion), sum(done for *_, done in improved), source.value)
+
+
+def _fastest(problem: Problem, motions: list[tuple[Trajectory, Source]]) -> tuple[Trajectory, Source]:
+    """Fastest motion that the judge passes; Ruckig's moves may have to be slowed down, by up to 1 %, to be among them."""
+    candidates = []
+    for motion, source in motions:
+        verdict = judge(problem, motion)
+        candidates.append((not verdict.feasible, motion.duration, motion, source))
+        if not verdict.feasible and verdict.stretch > 1:
+            slower = motion.scaled(verdict.stretch)
+            candidates.append((not judge(problem, slower).feasible, slower.duration, slower, Source.STRETCHED))
+    return min(candidates, key=lambda candidate: candidate[:2])[2:]
 
 
 @dataclass(frozen=True)
-class RuckigVia:
+class RuckigVia(Deterministic):
     """Planner `ruckig-via`: Ruckig through the waypoints, via states optimised offline.
 
     Parameters
@@ -202,16 +232,9 @@ class RuckigVia:
     rounds: int = 200
     pieces: int = 8
     about: ClassVar[str] = "Ruckig through the waypoints without stopping, the states there optimised"
-    freedom: ClassVar[Freedom] = Freedom.FREE
-    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
-    stochastic: ClassVar[bool] = False
 
+    @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Optimise within the settings' time limit."""
-        if not np.ptp(problem.waypoints, axis=0).any():
-            return Plan(Status.NOT_APPLICABLE, message="all waypoints are equal, so there is nothing to move")
-        try:
-            motion, done = ruckig_via(problem, self.rounds, self.pieces, settings.time_limit)
-        except StudyError as error:
-            return Plan(Status.FAILED, message=str(error))
-        return Plan(Status.FINISHED, motion=motion, iterations=done)
+        motion, rounds, remark = ruckig_via(problem, self.rounds, self.pieces, settings.time_limit)
+        return Plan(Status.FINISHED, motion=motion, iterations=rounds, message=remark)

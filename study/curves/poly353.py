@@ -48,10 +48,7 @@ def hermite(waypoints: Floats, durations: Floats) -> tuple[Floats, ...]:
     before, after = t2 / t1, t2 / t3
     v1, v2 = first * (3 * before), last * (3 * after)
     a1, a2 = v1 * (2 * before), v2 * (-2 * after)
-    c3 = 10 * middle - 6 * v1 - 4 * v2 - 1.5 * a1 + 0.5 * a2
-    c4 = -15 * middle + 8 * v1 + 7 * v2 + 1.5 * a1 - a2
-    c5 = 6 * middle - 3 * (v1 + v2) + 0.5 * (a2 - a1)
-    return v1, 0.5 * a1, c3, c4, c5
+    return polynomial.hermite_quintic(middle, v1, v2, a1, a2)
 
 
 def unit_coefficients(waypoints: Floats, durations: Floats) -> Floats:

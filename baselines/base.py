@@ -1,0 +1,63 @@
+"""Steps that the deterministic planners share: problems in which nothing moves, joints alone or together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import wraps
+from typing import ClassVar, TypeVar
+
+import numpy as np
+
+from study.errors import StudyError
+from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status, Synchronisation
+from study.problem import Demand, Floats, Problem
+
+P = TypeVar("P")
+NOTHING_MOVES = "all waypoints are equal, so there is nothing to move"
+
+
+class Deterministic:
+    """Usual description of a deterministic planner."""
+
+    freedom: ClassVar[Freedom] = Freedom.FREE
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
+    stochastic: ClassVar[bool] = False
+
+
+def where_something_moves(
+    plan: Callable[[P, Problem, RunSettings], Plan],
+) -> Callable[[P, Problem, RunSettings], Plan]:
+    """Decorate `plan`: still joints are held still, a problem without any other does not apply, an error is a reason."""
+
+    @wraps(plan)
+    def careful(planner: P, problem: Problem, settings: RunSettings) -> Plan:
+        if not problem.moving.any():
+            return Plan(Status.NOT_APPLICABLE, message=NOTHING_MOVES)
+        try:
+            return plan(planner, held_still(problem), settings)
+        except StudyError as error:
+            return Plan(Status.FAILED, message=str(error))
+
+    return careful
+
+
+def held_still(problem: Problem) -> Problem:
+    """Take the noise from joints that do not move, so that no planner takes it for a motion."""
+    noisy = ~problem.moving & np.ptp(problem.waypoints, axis=0).astype(bool)
+    if not noisy.any():
+        return problem
+    still = np.where(noisy, problem.waypoints[0], problem.waypoints)
+    return replace(problem, waypoints=still, allow_dwell=True)
+
+
+def parts(problem: Problem, settings: RunSettings) -> list[Problem]:
+    """Split a problem into its joints where every joint plans alone; else it stays whole."""
+    if settings.synchronisation is Synchronisation.PER_JOINT:
+        return [problem.joint(j) for j in range(problem.n_joints)]
+    return [problem]
+
+
+def longest(durations: Iterable[Floats]) -> Floats:
+    """Longest duration of every segment over all parts, shape (n_segments,), s."""
+    return np.asarray(np.max(list(durations), axis=0), dtype=float)
