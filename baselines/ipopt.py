@@ -22,6 +22,9 @@ from study.problem import Floats
 __all__ = ["Ipopt", "Solution", "alone", "ca"]
 
 QUIET = {"print_level": 0, "sb": "yes"}
+SHORTEST, LONGEST = 1e-3, 1e6
+"""Time limits that IPOPT takes, s."""
+
 OUT_OF_TIME = "Maximum_WallTime_Exceeded"
 """Status with which IPOPT stops at its time limit."""
 
@@ -68,10 +71,15 @@ class Ipopt:
         CasADi expressions: variables `x`, objective `f`, rows `g`, and parameters `p` where there are any.
     options : mapping
         Of IPOPT.
+    time_limit : float, s
+        Wall time of every solve.
     """
 
-    def __init__(self, program: Mapping[str, Any], options: Mapping[str, Any]) -> None:
-        wanted: dict[str, Any] = {"ipopt": QUIET | dict(options), "print_time": False, "error_on_fail": False}
+    _solver: Any = None
+
+    def __init__(self, program: Mapping[str, Any], options: Mapping[str, Any], time_limit: float) -> None:
+        ipopt = QUIET | dict(options) | {"max_wall_time": min(max(time_limit, SHORTEST), LONGEST)}
+        wanted: dict[str, Any] = {"ipopt": ipopt, "print_time": False, "error_on_fail": False}
         with alone():
             self._solver = ca.nlpsol("program", "ipopt", dict(program), wanted)
 

@@ -48,12 +48,12 @@ def dimensionless(problem: Problem, time: float, length: ArrayLike) -> tuple[Pro
     length = np.asarray(length, dtype=float)
     units = Units(float(time), np.where(length > 0, length, 1.0))
     rates = problem.limits.rates * units.time ** np.arange(1, 4)[:, None] / units.length
-    positions = problem.limits.lower / units.length, problem.limits.upper / units.length
+    lower, upper = problem.limits.lower / units.length, problem.limits.upper / units.length
     low, high = problem.duration_bounds
     scaled = Problem(
         problem.name,
         problem.waypoints / units.length,
-        JointLimits(*rates, *positions),
+        JointLimits(rates[0], rates[1], rates[2], lower, upper),
         problem.end,
         duration_bounds=(low / units.time, high / units.time),
         allow_dwell=True,

@@ -10,8 +10,9 @@ import pytest
 
 from study.cases.library import load_case
 from study.code_digest import _imports, code_digest
-from study.deadline import noted, watched
+from study.deadline import NEVER, Deadline, watched
 from study.planning import Status
+from study.problem import JointLimits
 from study.registry import planner_code
 from study.runs.lineup import Budget, make_cells, parse_specs
 from study.runs.runner import Task, execute, run_cells
@@ -98,7 +99,8 @@ def test_a_study_has_the_same_results_under_every_python(tmp_path):
 def test_what_a_clock_decided_says_so(planner):
     """With next to no time every planner that looks at the clock must say that it did."""
     case = load_case("woodworking")
-    problem = replace(case.problem, limits=replace(case.problem.limits, jerk=np.full(case.problem.n_joints, 60.0)))
+    velocity, acceleration, _ = case.problem.limits.rates
+    problem = replace(case.problem, limits=JointLimits(velocity, acceleration, np.full(case.problem.n_joints, 60.0)))
     cell = make_cells([case], parse_specs(planner), Budget(1, 50, 1e-4))[0]
     result = execute(Task(cell, problem))
     assert result.status in (Status.TIMED_OUT, Status.FAILED)
@@ -107,14 +109,17 @@ def test_what_a_clock_decided_says_so(planner):
         assert result.message.endswith("a time limit inside the planner was reached")
 
 
-def test_deadlines_are_noted_however_deep_and_only_inside_the_block():
+def test_deadlines_are_recorded_however_deep_and_only_inside_the_block():
+    late, soon = Deadline.after(-1.0), Deadline.after(3600.0)
     with watched() as outer:
-        assert not noted(False)
+        assert not NEVER.passed()
+        assert not soon.passed()
         assert not outer.reached
         with watched() as inner:
-            assert noted(True)
+            assert late.passed()
         assert (inner.reached, outer.reached) == (True, False)
-    assert noted(True)
+    assert late.passed()
+    assert late.left() == 0.0 < soon.within(60.0).left() <= 60.0 < soon.left()
 
 
 @pytest.fixture

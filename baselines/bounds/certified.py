@@ -23,8 +23,8 @@ from baselines.segment_times.nlp import optimise
 from study.curves import curve_named
 from study.deadline import Deadline
 from study.formulation import Scaled
-from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status, Synchronisation
-from study.problem import Demand, Floats, Problem
+from study.planning import Freedom, Plan, RunSettings, Status
+from study.problem import Floats, Problem
 
 GAP = 1e-6
 """Relative distance between upper and lower bound at which the search ends."""
@@ -201,5 +201,9 @@ class Certified(Deterministic):
             durations=durations,
             iterations=boxes,
             message="" if finished else f"both bounds hold, but they are {gap:.2g} of the time apart",
-            details={"lower_bound": max(part.lower for part in certificates), "upper_bound": max(part.upper for part in certificates), "boxes": float(boxes)},
+            details={
+                "lower_bound": max(part.lower for part in certificates),
+                "upper_bound": max(part.upper for part in certificates),
+                "boxes": float(boxes),
+            },
         )

@@ -169,7 +169,7 @@ class SplineProgram:
         near = STEP / self.problem.n_segments
         box = np.maximum(start.passed[1:-1] - near, 0.0), np.minimum(start.passed[1:-1] + near, 1.0)
         rows, upper = self._rows(x, unit, box)
-        solver = Ipopt({"x": x, "f": x[-1], "g": rows}, OPTIONS | {"max_wall_time": seconds})
+        solver = Ipopt({"x": x, "f": x[-1], "g": rows}, OPTIONS, seconds)
         low, high = self._bounds(box)
         x0 = np.concatenate([guess.ravel(), start.passed[1:-1], [1.0]])
         solution = solver.solve(x0=x0, lbx=low, ubx=high, lbg=0.0, ubg=upper)

@@ -32,9 +32,6 @@ ROUNDS = 5
 ENOUGH = 1e-7
 """Excess over the limits, as a stretch, that ends the rounds."""
 
-LONGEST = 1e6
-"""Wall time of a solve where there is no deadline, s."""
-
 ABSURD = 3.0
 """A motion this many times as long as stopping at every waypoint shows that the solver went astray."""
 
@@ -174,7 +171,7 @@ def free_path(problem: Problem, pieces: int = 8, deadline: Deadline = NEVER) -> 
         )
     stops = rest_to_rest_time(np.diff(problem.waypoints, axis=0), problem.limits.rates).max(axis=1)
     scaled, units = dimensionless(problem, stops.mean(), np.ptp(problem.waypoints, axis=0))
-    program = PieceProgram(scaled, pieces, min(deadline.left() / 2, LONGEST))
+    program = PieceProgram(scaled, pieces, deadline.left() / 2)
     results = [improve(program, spline_start(scaled, pieces), deadline)]
     if not deadline.passed():
         results.append(improve(program, stop_start(scaled, pieces), deadline))

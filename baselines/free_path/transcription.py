@@ -115,7 +115,7 @@ class PieceProgram:
             "f": ca.sum1(durations),
             "g": ca.vertcat(*(ca.vec(row[0]) for row in rows)),
         }
-        self._solver = Ipopt(nlp, OPTIONS | {"max_wall_time": time_limit})
+        self._solver = Ipopt(nlp, OPTIONS, time_limit)
 
     def _rows(
         self, durations: Any, velocity: Any, acceleration: Any, peaks: list[Any]

@@ -105,7 +105,7 @@ class PathProgram:
         x = ca.vertcat(h, s, w, a, r)
         g = ca.vertcat(equal, limited)
         seconds = max(self.deadline.left(), SOLVE_AT_LEAST)
-        solver = Ipopt({"x": x, "f": ca.sum1(h), "g": g}, OPTIONS | {"max_wall_time": seconds})
+        solver = Ipopt({"x": x, "f": ca.sum1(h), "g": g}, OPTIONS, seconds)
         bound = np.concatenate([np.zeros(equal.shape[0]), np.ones(limited.shape[0])])
         low = np.concatenate([np.full(n, SHORTEST), np.full(n, -np.inf), np.zeros(n), np.full(2 * n, -np.inf)])
         return solver.solve(x0=self._cruise() if guess is None else guess, lbx=low, lbg=-bound, ubg=bound)

@@ -98,7 +98,7 @@ class Model:
     @alone()
     def __init__(self, family: Family, time_limit: float) -> None:
         self.rows = family.rows()
-        self._limit = {"max_wall_time": time_limit}
+        self._time_limit = time_limit
         self._problem = {"x": self.rows.x, "p": self.rows.p, "f": self.rows.total, "g": self.rows.g}
 
     @cached_property
@@ -112,7 +112,7 @@ class Model:
         return self._solver(WARM)
 
     def _solver(self, more: dict[str, Any]) -> Ipopt:
-        return Ipopt(self._problem, OPTIONS | self._limit | more)
+        return Ipopt(self._problem, OPTIONS | more, self._time_limit)
 
 
 _MODELS: dict[tuple[Any, ...], Model] = {}

@@ -9,18 +9,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from baselines.bounds import branch_bound as _branch_bound
 from baselines.bounds import certified
 from baselines.bounds import cubic_spline as _bounds_spline
 from baselines.bounds.branch_bound import enclose, halves
-from baselines.bounds.certified import CERTIFIED, GAP, certify, obstacle
-from baselines.bounds.cubic_spline import Relaxation, Units, spline_bound, velocity_ranges
+from baselines.bounds.certified import GAP, Certified, certify, obstacle
+from baselines.bounds.cubic_spline import Relaxation, spline_bound, velocity_ranges
 from baselines.bounds.poly353 import Bounds353, peak_instants
 from baselines.segment_times.nlp import optimise
-from study import JointLimits, Problem, judge
+from baselines.units import dimensionless, largest_steps
+from study import JointLimits, Problem, deadline, judge
 from study.cases.library import load_case
 from study.curves import CURVES
-from study.deadline import watched
+from study.deadline import NEVER, Deadline, watched
 from study.formulation import Scaled
 from study.planning import RunSettings, Status
 from tests.helpers.segment_problems import WOODWORKING, random_problem
@@ -94,8 +94,8 @@ def test_a_better_optimum_than_the_first_guess_is_found() -> None:
 
 
 def test_the_planner_reports_its_bounds() -> None:
-    together = CERTIFIED.plan(WOODWORKING, RunSettings("poly353"))
-    alone = CERTIFIED.plan(WOODWORKING, RunSettings("poly353", synchronisation="per-joint"))
+    together = Certified().plan(WOODWORKING, RunSettings("poly353"))
+    alone = Certified().plan(WOODWORKING, RunSettings("poly353", synchronisation="per-joint"))
     assert together.status is alone.status is Status.FINISHED
     assert judge(WOODWORKING, together.motion).feasible
     assert together.details["upper_bound"] == pytest.approx(7.47562, abs=1e-5)
@@ -113,7 +113,7 @@ def test_the_planner_reports_its_bounds() -> None:
     ],
 )
 def test_elsewhere_it_does_not_apply(curve: str, n: int, word: str) -> None:
-    plan = CERTIFIED.plan(random_problem(0, n, 2), RunSettings(curve))
+    plan = Certified().plan(random_problem(0, n, 2), RunSettings(curve))
     assert plan.status is Status.NOT_APPLICABLE
     assert word in plan.message
 
@@ -131,7 +131,7 @@ def test_ill_posed_problems_are_refused() -> None:
 def test_a_budget_of_boxes_leaves_a_bound_that_holds() -> None:
     bounds, scaled = Bounds353(WOODWORKING), Scaled(WOODWORKING, CURVES["poly353"])
     found = enclose(
-        bounds, lambda p: scaled(bounds.durations(p)), bounds.box(9.0), 9.0, gap=GAP, deadline=np.inf, most=20
+        bounds, lambda p: scaled(bounds.durations(p)), bounds.box(9.0), 9.0, gap=GAP, deadline=NEVER, most=20
     )
     assert not found.finished
     assert found.lower <= 7.47562 <= found.upper
@@ -155,7 +155,7 @@ def test_peak_instants_include_the_highest_peak() -> None:
 
 def test_a_b_spline_is_enclosed_by_its_linear_programme() -> None:
     problem = load_case("ur5-bspline").problem
-    plan = CERTIFIED.plan(problem, RunSettings("bspline"))
+    plan = Certified().plan(problem, RunSettings("bspline"))
     assert plan.details["lower_bound"] == pytest.approx(11.70689, abs=1e-5)
     assert plan.details["upper_bound"] == pytest.approx(11.70725, abs=1e-5)
     assert plan.status is Status.NOT_CONVERGED
@@ -165,7 +165,7 @@ def test_a_b_spline_is_enclosed_by_its_linear_programme() -> None:
 
 def test_the_five_segment_cubic_spline_is_enclosed_to_a_thousandth() -> None:
     problem = load_case("ur5-bspline-rest").problem
-    plan = CERTIFIED.plan(problem, RunSettings("cubic-spline"))
+    plan = Certified().plan(problem, RunSettings("cubic-spline"))
     assert plan.details["upper_bound"] == pytest.approx(11.01696, abs=1e-4)
     assert 0.999 * 0.9999 <= plan.details["lower_bound"] / plan.details["upper_bound"] < 1
     assert judge(problem, plan.motion).feasible
@@ -194,15 +194,15 @@ def test_a_feasible_spline_is_never_relaxed_away(rates: tuple[float, float, floa
     scaled, rng = Scaled(problem, CURVES["cubic-spline"]), np.random.default_rng(0)
     for width in np.geomspace(1e-3, 1.0, 25):
         durations = scaled.durations(rng.uniform(0.6, 1.6, size=(1, 4)))[0]
-        units = Units.of(problem, float(durations.sum()))
+        dimless, units = dimensionless(problem, durations.sum() / 4, largest_steps(problem))
         low = durations * np.exp(-width * rng.uniform(size=4)) / units.time
         high = durations * np.exp(width * rng.uniform(size=4)) / units.time
-        value = Relaxation(units, low, high).solve()
+        value = Relaxation(dimless, low, high).solve()
         assert value <= durations.sum() / units.time * (1 + 1e-9)
         assert value >= low.sum()
         velocities = CURVES["cubic-spline"].motion(problem.waypoints, durations)
         at = velocities(velocities.waypoint_times, 1) * units.time / units.length
-        lowest, highest = velocity_ranges(units, 1 / high, 1 / low)
+        lowest, highest = velocity_ranges(dimless, 1 / high, 1 / low)
         assert (lowest - 1e-9 <= at).all()
         assert (at <= highest + 1e-9).all()
 
@@ -211,11 +211,11 @@ def test_a_deadline_ends_the_spline_s_boxes_and_the_bound_so_far_holds(monkeypat
     problem = replace(random_problem(0, 5, 2, (1.0, 2.0, 8.0)), duration_bounds=(0.05, 10.0))
     total = float(optimise(problem, "cubic-spline").durations.sum())
     clock, values = count(), []
-    monkeypatch.setattr(_bounds_spline, "time", SimpleNamespace(perf_counter=lambda: next(clock)))
+    monkeypatch.setattr(deadline, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     whole, boxes = spline_bound(problem, total)
     for cuts in (0, 3, 20):
         with watched() as watch:
-            value, done = spline_bound(problem, total, deadline=next(clock) + cuts)
+            value, done = spline_bound(problem, total, deadline=Deadline(next(clock) + cuts))
         assert watch.reached
         assert done <= 2 * cuts < boxes
         values.append(value)
@@ -223,7 +223,7 @@ def test_a_deadline_ends_the_spline_s_boxes_and_the_bound_so_far_holds(monkeypat
     assert values[0] == pytest.approx(shortest, rel=2e-5)
     assert shortest < values[1] <= values[2] <= whole < total
     with watched() as watch:
-        assert spline_bound(problem, total, deadline=next(clock) + 1e6) == (whole, boxes)
+        assert spline_bound(problem, total, deadline=Deadline(next(clock) + 1e6)) == (whole, boxes)
     assert not watch.reached
 
 
@@ -234,10 +234,9 @@ def test_joints_whose_turn_comes_too_late_are_enclosed_without_a_solver(
     """The clock stands still for two looks, until the first joint's turn, and is past the limit from then on."""
     problem, asked, clock = random_problem(2, 4, 3), [], chain([0.0, 0.0], count(1e9))
     monkeypatch.setattr(certified, "optimise", lambda *args, **rest: asked.append(args) or optimise(*args, **rest))
-    for module in (certified, _bounds_spline, _branch_bound):
-        monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: next(clock)))
+    monkeypatch.setattr(deadline, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     with watched() as watch:
-        plan = CERTIFIED.plan(problem, RunSettings(curve, synchronisation="per-joint", time_limit=30.0))
+        plan = Certified().plan(problem, RunSettings(curve, synchronisation="per-joint", time_limit=30.0))
     assert watch.reached
     assert len(asked) == 1
     assert plan.status is Status.NOT_CONVERGED

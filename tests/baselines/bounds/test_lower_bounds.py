@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from baselines.bounds import any_motion, lower_bounds
+from baselines.bounds import lower_bounds
 from baselines.bounds.any_motion import AnyMotionBound
-from baselines.bounds.cell_times import Cells, bend_reach, last_bend_crossing, reach, shortest_times
+from baselines.bounds.cell_times import Cells, jerk_reach, last_jerk_crossing, reach, shortest_times
 from baselines.bounds.lower_bounds import all_chains, bound, first_cells, lower_bound, with_implied_acceleration
 from baselines.closed_forms import shortest_time, two_limit_time
 from baselines.free_path.nlp import free_path
@@ -17,9 +17,9 @@ from baselines.state_to_state import via as via_module
 from baselines.state_to_state.moves import Mover, State
 from baselines.state_to_state.stops import ruckig_stops
 from baselines.state_to_state.via import ruckig_via
-from study import EndCondition, JointLimits, Problem, judge
+from study import EndCondition, JointLimits, Problem, deadline, judge
 from study.curves import CURVES
-from study.deadline import watched
+from study.deadline import Deadline, watched
 from study.planning import RunSettings, Status
 from tests.helpers.reference_problems import EACH_LIMIT, INF, small, woodworking
 
@@ -75,10 +75,10 @@ def test_the_bend_crossing_is_the_largest_root():
         jerk = 10 ** rng.uniform(-1, 2)
         roots = np.roots([jerk / 12, 0, (a + b) / 2, -d])
         real = roots[np.abs(roots.imag) < 1e-9 * np.abs(roots).max()].real
-        time = last_bend_crossing(d, np.array(a), np.array(b), jerk)
+        time = last_jerk_crossing(d, np.array(a), np.array(b), jerk)
         if (real > 0).any():
             assert time == pytest.approx(real.max(), rel=1e-5)
-            assert bend_reach(time, np.array(a), np.array(b), jerk) == pytest.approx(d, rel=1e-6, abs=1e-9)
+            assert jerk_reach(time, np.array(a), np.array(b), jerk) == pytest.approx(d, rel=1e-6, abs=1e-9)
 
 
 def test_no_jerk_limited_move_is_faster_than_its_cells():
@@ -213,7 +213,7 @@ def test_the_planner_shows_no_motion_but_a_bound():
 def looks(monkeypatch):
     """A clock on which every look takes a second; the bounds of segments made meanwhile."""
     made, clock = [], count()
-    monkeypatch.setattr(lower_bounds, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    monkeypatch.setattr(deadline, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     whole = lower_bounds.shortest_times
     monkeypatch.setattr(lower_bounds, "shortest_times", lambda *args: made.append(1) or whole(*args))
     return SimpleNamespace(made=made, now=lambda: next(clock))
@@ -226,7 +226,7 @@ def test_a_deadline_ends_the_bound_between_two_segments_and_what_it_proved_holds
     for seconds in (-1, 7, 40, 70, 100):
         looks.made.clear()
         with watched() as watch:
-            cut = bound(problem, n_cells=12, deadline=looks.now() + seconds)
+            cut = bound(problem, n_cells=12, deadline=Deadline(looks.now() + seconds))
         assert watch.reached
         assert len(looks.made) <= max(seconds, 0) < work
         assert cut.rounds <= whole.rounds
@@ -236,15 +236,15 @@ def test_a_deadline_ends_the_bound_between_two_segments_and_what_it_proved_holds
     assert straight < values[2] < values[-1] <= whole.value
     assert values == sorted(values)
     with watched() as watch:
-        assert bound(problem, n_cells=12, deadline=looks.now() + 1e6).value == whole.value
+        assert bound(problem, n_cells=12, deadline=Deadline(looks.now() + 1e6)).value == whole.value
     assert not watch.reached
 
 
 def test_weights_are_sought_until_the_deadline_and_at_least_once(looks):
     problem = woodworking()
     joints = all_chains(problem, first_cells(problem, 12, 5.0))
-    once, _, rounds = lower_bounds.best_weights(joints, -np.inf)
-    some, _, more = lower_bounds.best_weights(joints, looks.now() + 2.5)
+    once, _, rounds = lower_bounds.best_weights(joints, Deadline(-np.inf))
+    some, _, more = lower_bounds.best_weights(joints, Deadline(looks.now() + 2.5))
     best, _, all_rounds = lower_bounds.best_weights(joints)
     assert (rounds, more) == (1, 3)
     assert all_rounds > 3
@@ -255,8 +255,7 @@ def test_after_its_time_limit_the_planner_asks_no_solver(monkeypatch):
     def refuse(*_, **__):
         raise AssertionError("there is no time for this")
 
-    for module in (any_motion, via_module):
-        monkeypatch.setattr(module, "free_path", refuse)
+    monkeypatch.setattr(via_module, "free_path", refuse)
     for name in ("shortest_times", "chain_weights"):
         monkeypatch.setattr(lower_bounds, name, refuse)
     with watched() as watch:

@@ -9,11 +9,10 @@ from baselines.bounds.lower_bounds import lower_bound
 from baselines.free_path.bspline_nlp import (
     BSplineNlp,
     Shape,
-    Transcription,
+    SplineProgram,
     derivative_matrix,
     first_shape,
     knots_of,
-    stretch,
 )
 from baselines.state_to_state.via import ruckig_via
 from study import EndCondition, JointLimits, Problem, judge
@@ -103,8 +102,8 @@ def test_more_spans_are_not_slower():
 def test_the_hull_gives_away_what_the_stretch_takes_back():
     """One joint, two waypoints, few spans: the control points keep farther from the limit than the curve."""
     problem = Problem("two", [[0.0], [1.0]], JointLimits([1.0], [9.0]))
-    found, _ = Transcription(problem, 1).solve(first_shape(problem, 1, 5.0), 5.0)
-    assert stretch(problem, found.motion()) < 0.95
+    shape, _ = SplineProgram(problem, 1).solve(first_shape(problem, 1, 5.0), 5.0)
+    assert judge(problem, shape.motion()).least_scale < 0.95
     assert len(knots_of(1)) == 12
 
 

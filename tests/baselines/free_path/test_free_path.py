@@ -10,7 +10,7 @@ from baselines.bounds.lower_bounds import lower_bound
 from baselines.closed_forms import three_limit_time, two_limit_time
 from baselines.free_path import nlp as free_path_nlp
 from baselines.free_path.nlp import FreePathNlp, free_path, surplus
-from baselines.segment_times.quintic_nlp import QUINTIC_NLP
+from baselines.segment_times.quintic_nlp import QuinticNlp
 from baselines.state_to_state.stops import ruckig_stops
 from baselines.state_to_state.via import ruckig_via
 from study import EndCondition, JointLimits, Problem, StudyError, judge
@@ -184,4 +184,4 @@ def fastest(planner, problem):
         return free_path(problem, 8).motion.duration
     if planner == "ruckig_via":
         return ruckig_via(problem)[0].duration
-    return QUINTIC_NLP.plan(problem, SETTINGS).motion.duration
+    return QuinticNlp().plan(problem, SETTINGS).motion.duration

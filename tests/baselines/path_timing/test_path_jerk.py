@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from baselines.path_timing.topp3_nlp import Topp3NLP
+from baselines.path_timing.topp3_nlp import Topp3Nlp
 from baselines.path_timing.toppra import Toppra, chord_path, grid
 from study import EndCondition, JointLimits, Problem, judge
 from study.planning import RunSettings, Status
@@ -21,7 +21,7 @@ def problem(jerk=8.0, end=EndCondition.REST):
 @cache
 def topp3(jerk=8.0, end=EndCondition.REST, halvings=1):
     """Our plan for a problem, which several tests look at."""
-    return Topp3NLP(halvings=halvings).plan(problem(jerk, end), SETTINGS)
+    return Topp3Nlp(halvings=halvings).plan(problem(jerk, end), SETTINGS)
 
 
 def curvature_free_path(motion, case):
@@ -58,12 +58,12 @@ def test_scaled_limits_scale_the_duration():
     base = topp3().motion.duration
     case = problem()
     slow = Problem("slow", POINTS, case.limits.scaled(2.0))
-    assert Topp3NLP().plan(slow, SETTINGS).motion.duration == pytest.approx(2 * base, rel=1e-4)
+    assert Topp3Nlp().plan(slow, SETTINGS).motion.duration == pytest.approx(2 * base, rel=1e-4)
 
 
 def test_not_applicable_without_a_jerk_limit():
     free = Problem("p", POINTS, JointLimits([1.0, 1.0], [2.0, 2.0]))
-    assert Topp3NLP().plan(free, SETTINGS).status is Status.NOT_APPLICABLE
+    assert Topp3Nlp().plan(free, SETTINGS).status is Status.NOT_APPLICABLE
 
 
 @pytest.fixture

@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from baselines.segment_times.model import Scales
 from baselines.segment_times.nlp import optimise
 from baselines.segment_times.quintic_curve import Quintic
-from baselines.segment_times.quintic_nlp import QUINTIC_NLP
+from baselines.segment_times.quintic_nlp import QuinticNlp
 from study import EndCondition, JointLimits, Problem, judge
 from study.curves import CURVES
 from study.planning import RunSettings, Status
@@ -20,7 +19,7 @@ SETTINGS = RunSettings("cubic-spline")
 
 
 def total(problem: Problem) -> float:
-    plan = QUINTIC_NLP.plan(problem, SETTINGS)
+    plan = QuinticNlp().plan(problem, SETTINGS)
     assert plan.status is Status.FINISHED, plan.message
     verdict = judge(problem, plan.motion)
     assert verdict.feasible, verdict.reasons
@@ -44,7 +43,7 @@ def test_one_smooth_segment_is_the_minimum_jerk_polynomial(limits: tuple[float, 
 @pytest.mark.parametrize(("end", "curve"), [(EndCondition.REST, "cubic-spline"), (EndCondition.SMOOTH, "poly353")])
 def test_it_is_never_slower_than_the_curves_inside_it(end: EndCondition, curve: str, binding: str) -> None:
     problem = replace(random_problem(3, 4, 2, BINDING[binding]), end=end)
-    plan = QUINTIC_NLP.plan(problem, SETTINGS)
+    plan = QuinticNlp().plan(problem, SETTINGS)
     verdict = judge(problem, plan.motion)
     assert verdict.ratios.max() <= 1 + 1e-9
     assert verdict.continuity >= 2
@@ -73,10 +72,9 @@ def test_stricter_ends_cost_time() -> None:
 def test_lifting_a_cubic_spline_gives_it_back() -> None:
     problem = replace(random_problem(7, 5, 3), end=EndCondition.REST)
     durations = np.array([0.8, 1.3, 0.9, 1.1])
-    scales = Scales.of(problem, durations)
     family = Quintic(5, 3, (1, 2, 3))
     spline = CURVES["cubic-spline"].motion(problem.waypoints, durations)
-    lifted = family.motion(problem, family.lift(problem, durations, scales), scales)
+    lifted = family.motion(problem, family.lift(problem, durations))
     times = np.linspace(0, spline.duration, 101)
     for order in range(3):
         assert lifted(times, order) == pytest.approx(spline(times, order), abs=1e-9)

@@ -1,4 +1,4 @@
-"""Ruckig's way of passing several points asks a remote server: no source uses it, and planning opens no socket."""
+"""Ruckig's way of via several points asks a remote server: no source uses it, and planning opens no socket."""
 
 import socket
 from pathlib import Path

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from baselines.closed_forms import largest_displacement, shortest_time
-from baselines.free_path.nlp import free_path
+from baselines.free_path.nlp import FreePathNlp, free_path
 from baselines.state_to_state.moves import Mover, State
 from baselines.state_to_state.stops import ruckig_stops
-from baselines.state_to_state.via import RuckigVia, ruckig_via
-from baselines.state_to_state.via_times import Passing, Timing
+from baselines.state_to_state.via import RuckigVia, Source, _fastest, ruckig_via
+from baselines.state_to_state.via_times import Timing, ViaStates
 from study import EndCondition, JointLimits, Problem, judge
 from study.cases.library import load_case
 from study.planning import RunSettings, Status
@@ -41,12 +41,12 @@ def test_no_sampled_motion_goes_farther_than_the_largest_displacement():
 
 def test_slopes_are_those_of_the_closed_form():
     problem = small(([1.0] * 3, [2.0] * 3, INF), n_waypoints=5)
-    passing = Passing.of(problem)
-    timing = Timing(passing)
-    x = passing.choices(np.random.default_rng(0).uniform(-0.2, 0.2, (5, 3)), np.zeros((5, 3)))
+    via = ViaStates.of(problem)
+    timing = Timing(via)
+    x = via.variables(np.random.default_rng(0).uniform(-0.2, 0.2, (5, 3)), np.zeros((5, 3)))
     times, own = timing.moves(x)
     model = timing.model(x, times, own)
-    v, steps = x[0] * passing.scale[0], np.diff(problem.waypoints, axis=0)
+    v, steps = x[0] * via.scale[0], np.diff(problem.waypoints, axis=0)
     for side in range(2):
         moved = [v[:-1].copy(), v[1:].copy()]
         moved[side] += 1e-6
@@ -56,7 +56,7 @@ def test_slopes_are_those_of_the_closed_form():
 
 
 def test_what_is_free_follows_the_end_condition_and_the_limits():
-    free = {end: Passing.of(small(EACH_LIMIT["mixed"], end)).free for end in EndCondition}
+    free = {end: ViaStates.of(small(EACH_LIMIT["mixed"], end)).free for end in EndCondition}
     assert free[EndCondition.FREE][0].tolist() == [[True, False, True]] * 4
     assert free[EndCondition.FREE][1].tolist() == [[True, False, True]] * 4
     assert not free[EndCondition.REST][0, [0, -1]].any()
@@ -68,7 +68,7 @@ def test_what_is_free_follows_the_end_condition_and_the_limits():
 @pytest.mark.parametrize("limits", EACH_LIMIT.values(), ids=EACH_LIMIT)
 def test_each_limit_in_turn(limits, end):
     problem = small(limits, end)
-    motion, _ = ruckig_via(problem, rounds=30, pieces=4)
+    motion = ruckig_via(problem, rounds=30, pieces=4).motion
     verdict = judge(problem, motion)
     assert verdict.feasible, verdict.reasons
     assert verdict.waypoint_error.max() < 1e-10
@@ -77,7 +77,7 @@ def test_each_limit_in_turn(limits, end):
 
 
 def test_woodworking():
-    motion, _ = ruckig_via(woodworking(), rounds=100)
+    motion = ruckig_via(woodworking(), rounds=100).motion
     assert motion.duration < 3.3595
     assert judge(woodworking(), motion).feasible
 
@@ -95,14 +95,14 @@ def test_a_longer_path_of_six_joints(jerk):
 
 def test_one_joint_alone():
     problem = woodworking().joint(2)
-    motion, _ = ruckig_via(problem)
+    motion = ruckig_via(problem).motion
     assert judge(problem, motion).feasible
     assert motion.duration <= ruckig_stops(problem).duration
 
 
 def test_with_velocity_limits_only_there_is_nothing_to_choose():
     problem = woodworking(acceleration=INF)
-    motion, rounds = ruckig_via(problem)
+    motion, rounds, _ = ruckig_via(problem)
     assert rounds == 0
     assert motion.duration == pytest.approx(ruckig_stops(problem).duration)
 
@@ -122,7 +122,35 @@ def test_a_joint_that_has_nowhere_to_go_stays_at_rest():
     """Its states once took up rounding and so missed the waypoints, which left stopping everywhere as the best motion."""
     problem = load_case("puma560-jerk-matched").problem
     assert np.ptp(problem.waypoints[:, 3]) == 0
-    motion = ruckig_via(problem)[0]
+    motion = ruckig_via(problem).motion
     assert judge(problem, motion).feasible
     assert motion.duration < 0.6 * ruckig_stops(problem).duration
     assert motion.extrema(1).peak[3] == 0
+
+
+def with_noise(size: float) -> Problem:
+    """A waving arm of three joints, the last of which trembles by so much."""
+    steps, rng = np.arange(8), np.random.default_rng(5)
+    waves = [np.sin(0.9 * steps), np.cos(0.7 * steps) + 0.2 * steps, 0.3 + size * rng.uniform(-1.0, 1.0, 8)]
+    return Problem("seam", np.column_stack(waves), JointLimits([2.0] * 3, [6.0] * 3, [40.0] * 3))
+
+
+@pytest.mark.parametrize("size", [1e-14, 1e-12, 1e-9, 1e-6, 1e-4])
+def test_a_joint_that_hardly_moves_does_not_spoil_the_motion_of_the_others(size):
+    quiet, noisy = with_noise(0.0), with_noise(size)
+    motion = RuckigVia().plan(noisy, SETTINGS).motion
+    assert judge(noisy, motion).feasible
+    assert motion.duration <= 1.002 * RuckigVia().plan(quiet, SETTINGS).motion.duration
+    assert motion.duration <= FreePathNlp().plan(noisy, SETTINGS).motion.duration * (1 + 1e-9)
+
+
+def test_moves_that_exceed_a_limit_are_slowed_down_exactly_and_said_to_be():
+    problem = small(EACH_LIMIT["all"])
+    stops = ruckig_stops(problem)
+    hasty = stops.scaled(1 / 1.009)
+    motion, source = _fastest(problem, [(hasty, Source.MOVES)])
+    assert source is Source.STRETCHED
+    assert judge(problem, motion).feasible
+    assert hasty.duration < motion.duration <= stops.duration * (1 + 1e-9)
+    assert _fastest(problem, [(stops.scaled(2.0), Source.FREE_PATH), (hasty, Source.MOVES)])[1] is Source.STRETCHED
+    assert _fastest(problem, [(stops, Source.FREE_PATH), (hasty.scaled(2.0), Source.MOVES)])[1] is Source.FREE_PATH
