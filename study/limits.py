@@ -43,15 +43,16 @@ class JointLimits:
     jerk: Floats = OPTIONAL
     lower: Floats = OPTIONAL
     upper: Floats = OPTIONAL
-    min_velocity: Floats = OPTIONAL
-    min_acceleration: Floats = OPTIONAL
-    min_jerk: Floats = OPTIONAL
+    min_velocity: Floats | None = None
+    min_acceleration: Floats | None = None
+    min_jerk: Floats | None = None
 
     def __post_init__(self) -> None:
         shape = self._shape()
         for name in RATES:
             self._set(name, getattr(self, name), np.inf, shape)
-            self._set(f"min_{name}", getattr(self, f"min_{name}"), -getattr(self, name), shape)
+            if getattr(self, f"min_{name}") is not None:  # else the opposite of the positive one, also after `replace`
+                self._set(f"min_{name}", getattr(self, f"min_{name}"), -np.inf, shape)
             self._check_signs(name)
         self._set("lower", self.lower, -np.inf, shape)
         self._set("upper", self.upper, np.inf, shape)
@@ -74,7 +75,7 @@ class JointLimits:
         object.__setattr__(self, name, frozen_array(np.broadcast_to(array, shape), name))
 
     def _check_signs(self, name: str) -> None:
-        for joint, (value, least) in enumerate(zip(getattr(self, name), getattr(self, f"min_{name}"), strict=True)):
+        for joint, (value, least) in enumerate(zip(getattr(self, name), self._lowest(name), strict=True)):
             if value <= 0:
                 raise StudyError(
                     f"{name} limit of joint {joint + 1} must be positive, got {value:g}; leave it out for no limit"
@@ -95,7 +96,11 @@ class JointLimits:
     @property
     def lowest_rates(self) -> Floats:
         """Limits in the negative direction, shape (3, n_joints), negative."""
-        return np.stack([self.min_velocity, self.min_acceleration, self.min_jerk])
+        return np.stack([self._lowest(name) for name in RATES])
+
+    def _lowest(self, name: str) -> Floats:
+        least: Floats | None = getattr(self, f"min_{name}")
+        return -np.asarray(getattr(self, name)) if least is None else least
 
     @property
     def rates(self) -> Floats:
@@ -110,15 +115,16 @@ class JointLimits:
     def joint(self, index: int) -> JointLimits:
         """Limits of one joint alone."""
         pick = slice(index, index + 1)
-        return JointLimits(**{name: getattr(self, name)[pick] for name in self.__dataclass_fields__})
+        given = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return replace(self, **{name: limits[pick] for name, limits in given.items() if limits is not None})
 
     def scaled(self, factor: float) -> JointLimits:
         """Limits under which every motion takes exactly `factor` times as long: divided by factor, its square, its cube."""
-        changes = {
-            f"{side}{name}": getattr(self, f"{side}{name}") / factor**order
-            for side in ("", "min_")
-            for order, name in enumerate(RATES, start=1)
-        }
+        changes = {}
+        for order, name in enumerate(RATES, start=1):
+            changes[name] = getattr(self, name) / factor**order
+            if (least := getattr(self, f"min_{name}")) is not None:
+                changes[f"min_{name}"] = least / factor**order
         return replace(self, **changes)
 
 
@@ -142,7 +148,7 @@ def usual_bounds(waypoints: Floats, limits: JointLimits) -> tuple[float, float]:
     steps = steps[steps.any(axis=1)]
     if not len(steps):
         return 1e-3, 10.0
-    at_full_speed = np.maximum(steps / limits.velocity, steps / limits.min_velocity).max(axis=1)
+    at_full_speed = np.maximum(steps / limits.velocity, steps / limits.lowest_rates[0]).max(axis=1)
     moved = np.abs(steps)
     each = [at_full_speed, np.sqrt(4 * moved / limits.rates[1]).max(axis=1)]
     stops = np.sum([*each, np.cbrt(32 * moved / limits.rates[2]).max(axis=1)], axis=0)

@@ -171,6 +171,7 @@ def segments_between(first: int, last: int, n_waypoints: int, where: str) -> ran
 
 def tightest(first: JointLimits, second: JointLimits) -> JointLimits:
     """Limits that keep both."""
-    pairs = {name: (getattr(first, name), getattr(second, name)) for name in JointLimits.__dataclass_fields__}
-    lowers = ("lower", "min_velocity", "min_acceleration", "min_jerk")
-    return JointLimits(**{name: (np.maximum if name in lowers else np.minimum)(*pair) for name, pair in pairs.items()})
+    velocity, acceleration, jerk = np.minimum(first.highest_rates, second.highest_rates)
+    lowest = np.maximum(first.lowest_rates, second.lowest_rates)
+    positions = np.maximum(first.lower, second.lower), np.minimum(first.upper, second.upper)
+    return JointLimits(velocity, acceleration, jerk, *positions, *lowest)

@@ -6,8 +6,9 @@ import hashlib
 import io
 import json
 import math
-from collections.abc import Mapping
-from dataclasses import fields
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from enum import Enum
 from functools import lru_cache
 from operator import attrgetter
 from typing import Any
@@ -50,18 +51,24 @@ def canonical(document: object) -> str:
     return _ENCODER.encode(document)
 
 
-def problem_content(problem: Problem) -> dict[str, object]:
+def problem_content(problem: Problem) -> object:
     """Everything a planner sees of a problem, as plain data."""
-    limits = {field.name: getattr(problem.limits, field.name).tolist() for field in fields(problem.limits)}
-    return {
-        "name": problem.name,
-        "waypoints": problem.waypoints.tolist(),
-        "limits": limits,
-        "end": problem.end.name,
-        "duration_bounds": list(problem.duration_bounds),
-        "allow_dwell": problem.allow_dwell,
-        "joint_names": list(problem.joint_names),
-    }
+    return plain(problem)
+
+
+def plain(value: object) -> object:
+    """Turn dataclasses, arrays and enumerations into plain data that JSON can hold."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, Enum):
+        return value.name
+    if is_dataclass(value):
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, Mapping):
+        return [[plain(key), plain(held)] for key, held in sorted(value.items())]
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [plain(held) for held in value]
+    return value
 
 
 def cell_key(cell: Cell, problem: Problem, version: str) -> str:

@@ -34,7 +34,7 @@ def test_limits_by_direction(tmp_path, load):
     limits = load_case(path).problem.limits
     assert limits.acceleration == pytest.approx([np.pi, 0.18])
     assert limits.min_acceleration == pytest.approx([-np.pi / 2, -np.inf])
-    assert limits.min_velocity == pytest.approx(-limits.velocity)
+    assert limits.lowest_rates[0] == pytest.approx(-limits.velocity)
 
 
 def test_ends(load):

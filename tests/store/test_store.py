@@ -13,7 +13,7 @@ from study.curves import curve_named
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import Plan, Status
-from study.problem import EndCondition, JointLimits, Problem
+from study.problem import EndCondition, JointLimits, Problem, State, Timing
 from study.runs.lineup import Budget, Spec, make_cells
 from study.runs.runner import Task, execute
 from study.store import store as store_module
@@ -25,6 +25,7 @@ from study.store.codec import (
     decode,
     encode,
     pack_arrays,
+    problem_digest,
     settings_text,
     unpack_arrays,
 )
@@ -327,3 +328,21 @@ def test_documents_are_plain_json(results):
 def test_infinite_limits_have_a_key_too(cells):
     problem = Problem("p", np.array([[0.0], [1.0]]), JointLimits(np.ones(1)))
     assert len(cell_key(cells[0], problem, "1")) == 64
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"stops": (1,)},
+        {"dwells": {1: 0.5}},
+        {"tolerance": 0.01},
+        {"start": State(velocity=np.array([0.1]))},
+        {"segment_limits": {0: JointLimits(velocity=[0.5])}},
+        {"timing": Timing(at_least=9.0)},
+        {"limits": JointLimits(velocity=[1.0], min_velocity=[-0.5])},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_everything_that_a_problem_asks_is_part_of_its_key(change):
+    problem = Problem("keyed", np.array([[0.0], [0.5], [0.2]]), JointLimits(velocity=[1.0]))
+    assert problem_digest(replace(problem, **change)) != problem_digest(problem)
