@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Literal
@@ -11,6 +12,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
+from study.cases.print_rules import Rule, RuleText, rule_of
 from study.datafiles import Strict, checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
 
@@ -55,6 +57,8 @@ class Table:
     columns : tuple of str
     cells : tuple of Cell
         Row by row.
+    rules : mapping of str to Rule
+        Rules of the print, by `row / column`, by column or its last word, by row, or by `*`.
     """
 
     number: str
@@ -62,6 +66,7 @@ class Table:
     unit: str
     columns: tuple[str, ...]
     cells: tuple[Cell, ...]
+    rules: Mapping[str, Rule] = field(default_factory=dict)
 
     def __getitem__(self, place: tuple[str, str]) -> Cell:
         """Cell at (row, column)."""
@@ -70,12 +75,21 @@ class Table:
                 return cell
         raise unknown(f"cell of {self.number}", " / ".join(place), [f"{c.row} / {c.column}" for c in self.cells])
 
+    def row(self, row: str, columns: Sequence[str]) -> list[Cell]:
+        """Cells of a row."""
+        return [self[row, column] for column in columns]
+
     def value(self, row: str, column: str) -> float:
         """Return the number at (row, column), or say that the cell is not one."""
         cell = self[row, column]
         if cell.value is None:
             raise StudyError(f"{self.number}, {row} / {column}: {cell.printed!r} is not a number")
         return cell.value
+
+    def rule(self, cell: Cell) -> Rule | None:
+        """Rule of a cell that the print alone decides; None if it takes more."""
+        places = (f"{cell.row} / {cell.column}", cell.column, cell.row, cell.column.split(" ")[-1], "*")
+        return next((self.rules[place] for place in places if place in self.rules), None)
 
 
 @dataclass(frozen=True)
@@ -91,6 +105,8 @@ class Claim:
     printed : str
     value : float
     unit : str
+    rule : Rule, optional
+        If the print alone decides.
     """
 
     id: str
@@ -99,6 +115,28 @@ class Claim:
     printed: str
     value: float
     unit: str
+    rule: Rule | None
+
+    @property
+    def cell(self) -> Cell:
+        """The number as if it were a table's cell."""
+        return Cell(self.id, "", "value", self.printed, self.value)
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A claim of a paper's prose that carries no number of its own, in our words.
+
+    Attributes
+    ----------
+    id : str
+    place : str
+    about : str
+    """
+
+    id: str
+    place: str
+    about: str
 
 
 class _TableFile(Strict):
@@ -108,6 +146,7 @@ class _TableFile(Strict):
     quantity: Quantity | dict[str, Quantity]
     columns: list[str] = Field(min_length=1)
     rows: dict[str, str] = Field(min_length=1)
+    rules: dict[str, RuleText] = Field(default_factory=dict)
 
 
 class _ClaimFile(Strict):
@@ -117,6 +156,13 @@ class _ClaimFile(Strict):
     printed: str
     value: float
     unit: str = ""
+    rule: RuleText | None = None
+
+
+class _StatementFile(Strict):
+    id: str
+    place: str
+    about: str
 
 
 class _PaperFile(Strict):
@@ -127,6 +173,7 @@ class _PaperFile(Strict):
     notes: list[str] = Field(default_factory=list)
     tables: list[_TableFile]
     claims: list[_ClaimFile]
+    statements: list[_StatementFile]
 
 
 def papers() -> dict[str, str]:
@@ -154,7 +201,21 @@ def claims(paper: str) -> dict[str, Claim]:
     StudyError
         If there is no such paper, or its file is broken.
     """
-    return {claim.id: Claim(**claim.model_dump()) for claim in _paper(paper).claims}
+    return {
+        claim.id: Claim(**claim.model_dump(exclude={"rule"}), rule=rule_of(claim.rule))
+        for claim in _paper(paper).claims
+    }
+
+
+def statements(paper: str) -> tuple[Statement, ...]:
+    """Read the claims of a paper's prose that carry no number.
+
+    Raises
+    ------
+    StudyError
+        If there is no such paper, or its file is broken.
+    """
+    return tuple(Statement(**statement.model_dump()) for statement in _paper(paper).statements)
 
 
 def parsed(printed: str) -> float | None:
@@ -184,7 +245,8 @@ def _paper(name: str) -> _PaperFile:
         raise unknown("paper", name, known)
     where = f"file {known[name].name!r}"
     file = checked(_PaperFile, read_yaml(known[name]), where)
-    for kind, keys in (("table", [t.number for t in file.tables]), ("claim", [c.id for c in file.claims])):
+    ids = [*(claim.id for claim in file.claims), *(statement.id for statement in file.statements)]
+    for kind, keys in (("table", [t.number for t in file.tables]), ("claim", ids)):
         if doubled := {key for key in keys if keys.count(key) > 1}:
             raise StudyError(f"{where}: {kind} {min(doubled)!r} stands twice; rename one")
     return file
@@ -198,7 +260,8 @@ def _table(file: _TableFile, where: str) -> Table:
             raise StudyError(f"{where}, row {row!r}: {len(printed)} cells for {len(file.columns)} columns")
         for column, text in zip(file.columns, printed, strict=True):
             cells.append(Cell(row, column, _quantity(file, row, column, where), text, parsed(text)))
-    return Table(file.number, file.about, file.unit, tuple(file.columns), tuple(cells))
+    rules = {label: rule for label, content in file.rules.items() if (rule := rule_of(content))}
+    return Table(file.number, file.about, file.unit, tuple(file.columns), tuple(cells), rules)
 
 
 def _quantity(file: _TableFile, row: str, column: str, where: str) -> str:

@@ -15,7 +15,7 @@ from study.cli.shared import DEFAULT_OUT, Out, make_console
 from study.cli.terminal import progress
 from study.datafiles import data_folder
 from study.errors import StudyError
-from study.reproduction.book import MODULES, SHORT, Entry, entries_of, jobs_of, paper_named
+from study.reproduction.book import PAPERS, SHORT, Entry, entries_of, jobs_of, paper_named
 from study.reproduction.effort import FULL, QUICK, Effort
 from study.reproduction.jobs import Job, Runs, run_all
 from study.reproduction.page import write_index, write_paper
@@ -147,7 +147,7 @@ def reproduce_command(
     if commit and (quick or not all_papers):
         raise StudyError("--commit writes the verdicts of a full run: give --all, without --quick")
     console = make_console()
-    papers = list(MODULES) if paper is None else [paper_named(paper)]
+    papers = list(PAPERS) if paper is None else [paper_named(paper)]
     found = reproduce(papers, QUICK if quick else FULL, out, jobs, console)
     for name, entries in found.items():
         console.print(f"{name}: {tally(entries)}", soft_wrap=True)

@@ -13,7 +13,7 @@ from study.reproduction.benchmark_runs import BenchmarkCell
 from study.reproduction.effort import Effort
 from study.reproduction.jobs import Record, Runs
 from study.reproduction.readings import FORMS, READINGS, SHAPES, STARTS, Reading
-from study.reproduction.verdicts import Place, Ruling, missing, strongest
+from study.reproduction.verdicts import Outcome, Place, Ruling, Rulings, missing, strongest
 from study.testfunctions import benchmarks_of
 
 ROLES = {
@@ -40,10 +40,12 @@ class BenchmarkTable:
     ----------
     paper : str
     effort : Effort
+    runs : Runs
     """
 
     paper: str
     effort: Effort
+    runs: Runs
 
     @property
     def table(self) -> Table:
@@ -100,15 +102,39 @@ class BenchmarkTable:
         """All that the table needs."""
         return [job for f in self.functions for c in self.table.columns for _, job in self.variants(f, c)]
 
-    def rulings(self, runs: Runs) -> dict[Place, Ruling]:
-        """Rule on every cell of every function."""
-        found: dict[Place, Ruling] = {}
+    def stated(self, function: str, column: str) -> BenchmarkCell:
+        """Job of a column's stated reading on a function."""
+        return self.cell(function, column, self.readings(column)[0])
+
+    def record(self, function: str, column: str) -> Record:
+        """Our runs of a column's stated reading on a function."""
+        return self.runs[self.stated(function, column)]
+
+    def rulings(self) -> Rulings:
+        """Rule on every cell of every function, and on the least values that Table 2 prints."""
+        found = self._optima()
         for function in self.functions:
             for column in self.table.columns:
-                found |= self._column(function, column, runs)
+                found |= self._column(function, column)
         return found
 
-    def _column(self, function: str, column: str, runs: Runs) -> dict[Place, Ruling]:
+    def _optima(self) -> Rulings:
+        """Compare printed optimal values with the least values of the formulas as printed."""
+        table, column = tables(self.paper)["Table 2"], "optimal value"
+        if column not in table.columns:
+            return {}
+        least = {function.label: function.minimum for function in benchmarks_of(self.paper, "as-printed")}
+        found: Rulings = {}
+        for cell in (cell for cell in table.cells if cell.column == column):
+            value = least[cell.row.split(",")[0]]
+            ruling = rules.contradicts("the printed formula has poles and no least value")
+            if value is not None:
+                why = f"the formula as printed has its least value at {value:.6g}"
+                ruling = rules.exact(cell.printed, value, Outcome.CONTRADICTS, why)
+            found[Place(table.number, cell.row, column)] = ruling
+        return found
+
+    def _column(self, function: str, column: str) -> Rulings:
         cells = {
             c.row.split(", ")[1]: c
             for c in self.table.cells
@@ -117,8 +143,8 @@ class BenchmarkTable:
         by_role = {ROLES[head]: cell for head, cell in cells.items() if head in ROLES}
         (name, job), *others = self.variants(function, column)
         findings = arithmetic.examine(arithmetic.Statistics(**by_role), RUNS, job.benchmark)
-        record = runs[job]
-        rulings: dict[Place, Ruling] = {}
+        record = self.runs[job]
+        rulings: Rulings = {}
         for head, cell in cells.items():
             role = ROLES.get(head)
             if role is None:
@@ -126,7 +152,7 @@ class BenchmarkTable:
             else:
                 broken = findings.get(role)
                 compared = self._compared(cell, role, job, record)
-                side = {other: rules.number(statistic(runs[j]["finals"], role)) for other, j in others}
+                side = {other: rules.number(statistic(self.runs[j]["finals"], role)) for other, j in others}
                 denied = None if broken is None else rules.impossible(broken.inequality)
                 ruling = strongest(denied, replace(compared, others=side))
             rulings[Place("Table 3", cell.row, column)] = replace(ruling, reading=name)

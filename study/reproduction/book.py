@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from types import ModuleType
 
-from study.cases.published import claims, tables
+from study.cases.published import claims, statements, tables
 from study.errors import StudyError, unknown
 from study.reproduction.effort import Effort
+from study.reproduction.in_print import rulings_in_print
 from study.reproduction.jobs import Job, Runs
-from study.reproduction.papers import aubo, puma, smwoa, sparrow, woodworking
+from study.reproduction.paper import Paper
+from study.reproduction.papers.aubo import Aubo
+from study.reproduction.papers.puma import Puma
+from study.reproduction.papers.smwoa import Smwoa
+from study.reproduction.papers.sparrow import Sparrow
+from study.reproduction.papers.woodworking import Woodworking
 from study.reproduction.verdicts import CLAIM, Place, Ruling
 
-MODULES: dict[str, ModuleType] = {module.PAPER: module for module in (woodworking, aubo, smwoa, sparrow, puma)}
+PAPERS: dict[str, type[Paper]] = {paper.key: paper for paper in (Woodworking, Aubo, Smwoa, Sparrow, Puma)}
 
-SHORT = {
-    "woodworking": woodworking.PAPER, "aubo": aubo.PAPER, "smwoa": smwoa.PAPER, "sparrow": sparrow.PAPER, "puma": puma.PAPER,
-}  # fmt: skip
+SHORT = {paper.short: key for key, paper in PAPERS.items()}
 """Short names of the papers for the command line."""
 
 
@@ -29,10 +32,10 @@ def paper_named(name: str) -> str:
     StudyError
         If there is none.
     """
-    if name in MODULES:
+    if name in PAPERS:
         return name
     if name not in SHORT:
-        raise unknown("paper", name, [*SHORT, *MODULES])
+        raise unknown("paper", name, [*SHORT, *PAPERS])
     return SHORT[name]
 
 
@@ -65,7 +68,7 @@ class Entry:
 
 def jobs_of(papers: Iterable[str], effort: Effort) -> list[Job]:
     """All work for some papers."""
-    return [job for paper in papers for job in MODULES[paper].jobs(effort)]
+    return [job for paper in papers for job in PAPERS[paper](effort, Runs({})).jobs()]
 
 
 def entries_of(paper: str, runs: Runs, effort: Effort) -> tuple[Entry, ...]:
@@ -76,7 +79,7 @@ def entries_of(paper: str, runs: Runs, effort: Effort) -> tuple[Entry, ...]:
     StudyError
         If something has no ruling, or a ruling concerns nothing that is printed.
     """
-    rulings: Mapping[Place, Ruling] = MODULES[paper].rulings(runs, effort)
+    rulings = rulings_in_print(paper) | PAPERS[paper](effort, runs).rulings()
     found = [*_cells(paper, rulings), *_claims(paper, rulings), *_statements(paper, rulings)]
     if strange := set(rulings) - {entry.place for entry in found}:
         raise StudyError(f"paper {paper!r}: ruled on {sorted(map(str, strange))[0]}, which is not printed")
@@ -103,6 +106,6 @@ def _claims(paper: str, rulings: Mapping[Place, Ruling]) -> Iterable[Entry]:
 
 
 def _statements(paper: str, rulings: Mapping[Place, Ruling]) -> Iterable[Entry]:
-    for one in MODULES[paper].statements():
+    for one in statements(paper):
         place = Place(CLAIM, one.id)
         yield Entry(paper, place, one.place, one.about, "statement", "", _taken(paper, place, rulings))

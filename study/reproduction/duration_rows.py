@@ -17,6 +17,11 @@ from study.reproduction.rules import half_unit
 from study.reproduction.verdicts import Outcome, Ruling, strongest
 
 
+def size(cell: Cell) -> float:
+    """Printed number of a cell, by which the papers choose the joint that takes longest."""
+    return cell.value or 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Row:
     """A printed row of durations.

@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from study.report.plot_style import DASHES, GRID, INK, RC, SERIES, themed
-from study.reproduction.common import NUMBERS, Panel, chaos_numbers, chi_squares
+from study.reproduction.paper import Panel
+from study.reproduction.uniformity import NUMBERS, chaos_numbers, chi_squares
 from study.search.chaos import N_BINS
 
 LEAST = 1e-300

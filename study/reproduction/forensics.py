@@ -1,14 +1,13 @@
 """What arithmetic allows of a printed result: each check returns the broken inequality as text, or nothing.
 
 A check assumes nothing about the algorithm. It asks only whether any n numbers could have the printed mean, standard
-deviation and extremes once rounding is allowed for, and whether sums and percentages follow from their terms.
+deviation and extremes once rounding is allowed for, and whether sums follow from their terms.
 """
 
 from __future__ import annotations
 
 import math
-from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from study.errors import StudyError
@@ -72,35 +71,6 @@ class Summary:
 
     def _half_unit(self, value: float) -> float:
         return 0.5 * 10.0 ** (math.floor(math.log10(abs(value))) + 1 - self.digits) if value else 0.0
-
-
-def examine(
-    summary: Summary, *, optimum: float | None = None, grain: float | None = None, largest: float | None = None
-) -> tuple[Finding, ...]:
-    """Run every check that the numbers at hand allow.
-
-    Parameters
-    ----------
-    summary : Summary
-    optimum : float, optional
-        Least value f* that the function can take.
-    grain : float, optional
-        Smallest step between values of the function near f* in double precision.
-    largest : float, optional
-        Largest value in the function's box.
-
-    Returns
-    -------
-    tuple of Finding
-    """
-    found = [mean_outside_extremes(summary), std_beyond_extremes(summary), mean_too_near_extreme(summary)]
-    if optimum is not None:
-        found += [below_optimum(summary, optimum), std_too_large(summary, optimum)]
-        if grain is not None:
-            found.append(finer_than_doubles(summary, optimum, grain))
-    if largest is not None:
-        found.append(above_largest(summary, largest))
-    return tuple(finding for finding in found if finding is not None)
 
 
 def std_too_large(summary: Summary, optimum: float) -> Finding | None:
@@ -197,61 +167,3 @@ def wrong_sum(terms: Sequence[float], printed: float, decimals: int) -> Finding 
         "sum",
         f"|{' + '.join(f'{term:g}' for term in terms)} - {printed:g}| = {abs(total - printed):.4g} <= {slack:g} fails",
     )
-
-
-def wrong_percentage(before: float, after: float, printed: float, decimals: int, given: int = 4) -> Finding | None:
-    """Check that a printed reduction in per cent follows from the two values.
-
-    Parameters
-    ----------
-    before, after : float
-    printed : float
-        Per cent.
-    decimals : int
-        Decimals of the percentage.
-    given : int
-        Decimals of the two values.
-
-    Raises
-    ------
-    StudyError
-        If the first value is not positive.
-    """
-    if before <= 0.0:
-        raise StudyError(f"a reduction needs a positive value to start from, got {before:g}")
-    reduction = 100.0 * (before - after) / before
-    half = 0.5 * 10.0**-given
-    slack = 0.5 * 10.0**-decimals + 100.0 * half / before * (1.0 + abs(after) / before)
-    if abs(reduction - printed) <= slack:
-        return None
-    return Finding(
-        "percentage",
-        f"|100 ({before:g} - {after:g})/{before:g} - {printed:g}| = {abs(reduction - printed):.4g} <= {slack:.2g} fails",
-    )
-
-
-def repeated_mantissas(cells: Mapping[str, float], digits: int = 3, at_least: int = 3) -> tuple[Finding, ...]:
-    """Look for mantissas that stand in several cells with different powers of ten.
-
-    Parameters
-    ----------
-    cells : mapping of a cell's name to its printed value
-    digits : int
-        Significant digits printed.
-    at_least : int
-        How many different powers of ten make a finding. For k cells the expected number of chance pairs is about
-        k^2 / (2 * 9 * 10^(digits - 1)), so pairs alone say little.
-    """
-    return tuple(_mantissa_findings(cells.items(), digits, at_least))
-
-
-def _mantissa_findings(cells: Iterable[tuple[str, float]], digits: int, at_least: int) -> Iterator[Finding]:
-    groups: dict[str, dict[str, str]] = defaultdict(dict)
-    for name, value in cells:
-        if value and math.isfinite(value):
-            mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-            groups[mantissa].setdefault(exponent, name)
-    for mantissa, by_exponent in groups.items():
-        if len(by_exponent) >= at_least:
-            where = ", ".join(f"{name} (e{exponent})" for exponent, name in by_exponent.items())
-            yield Finding("repeated mantissa", f"{mantissa} stands in {len(by_exponent)} powers of ten: {where}")

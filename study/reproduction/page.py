@@ -19,13 +19,13 @@ from study.report.plot_style import Series
 from study.report.rendering import render
 from study.reproduction import figures
 from study.reproduction.benchmark_table import BenchmarkTable
-from study.reproduction.book import MODULES, Entry
-from study.reproduction.common import STARTS as CHAOS_STARTS
-from study.reproduction.common import Drive, Panel, line_of
+from study.reproduction.book import PAPERS, Entry
 from study.reproduction.effort import Effort
 from study.reproduction.jobs import Runs
 from study.reproduction.motion_runs import motion_of
+from study.reproduction.paper import Drive, Panel, line_of
 from study.reproduction.readings import FORMS, READINGS, STARTS
+from study.reproduction.uniformity import STARTS as CHAOS_STARTS
 from study.reproduction.verdicts import CLAIM, RULES, Outcome
 
 TAGS = {
@@ -233,13 +233,10 @@ def _reading_notes(paper: str) -> list[str]:
 
 
 def _drawn(paper: str, runs: Runs, effort: Effort) -> Iterable[Drawn]:
-    module = MODULES[paper]
+    own = PAPERS[paper](effort, runs)
     if paper in READINGS:
-        table = BenchmarkTable(paper, effort)
-        shown = [
-            Panel(f, {c: line_of(runs[table.cell(f, c, table.readings(c)[0])]) for c in table.table.columns}, True)
-            for f in table.functions
-        ]
+        table = BenchmarkTable(paper, effort, runs)
+        shown = [Panel(f, {c: line_of(table.record(f, c)) for c in table.table.columns}, True) for f in table.functions]
         picture = figures.panels("benchmarks", shown, 4, "Convergence on the benchmark functions")
         yield Drawn(
             "Benchmark functions",
@@ -247,7 +244,7 @@ def _drawn(paper: str, runs: Runs, effort: Effort) -> Iterable[Drawn]:
             [picture],
             "Best value so far, median over seeds; zero is drawn at 1e-300.",
         )
-    shown = module.panels(runs, effort)
+    shown = own.panels()
     picture = figures.panels("descents", shown, min(3, len(shown)), "Convergence on the arm")
     yield Drawn(
         "Convergence on the arm",
@@ -255,11 +252,11 @@ def _drawn(paper: str, runs: Runs, effort: Effort) -> Iterable[Drawn]:
         [picture],
         "Objective of the best candidate so far, median over seeds.",
     )
-    for number, drive in enumerate(module.drives(runs, effort)):
+    for number, drive in enumerate(own.drives()):
         yield _profiles(f"drive-{number}", drive)
-    if module.MAPS:
+    if own.maps:
         caption = f"1000 numbers of one start in ten bins; the line is the expected count. χ²: median over {CHAOS_STARTS} starts; above 16.9 uniformity is rejected at 5 %."
-        yield Drawn("Uniformity of the chaotic maps", (), [figures.histograms("maps", module.MAPS)], caption)
+        yield Drawn("Uniformity of the chaotic maps", (), [figures.histograms("maps", own.maps)], caption)
 
 
 def _profiles(key: str, drive: Drive) -> Drawn:

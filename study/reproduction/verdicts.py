@@ -89,6 +89,8 @@ class Place:
     column: str = ""
 
 
+Rulings = dict[Place, "Ruling"]
+
 CLAIM = "prose"
 """The `table` of places in the prose; the row is then the claim's id."""
 

@@ -11,7 +11,7 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from study.cases.library import load_case
-from study.cases.published import claims, papers, tables
+from study.cases.published import claims, papers, statements, tables
 from study.cli import reproduce as command
 from study.cli.main import app
 from study.errors import StudyError
@@ -19,7 +19,7 @@ from study.judge import judge
 from study.planning import Meter
 from study.reproduction import jobs, page
 from study.reproduction.benchmark_runs import BenchmarkCell, settled_at, thinned
-from study.reproduction.book import MODULES, entries_of, jobs_of, paper_named
+from study.reproduction.book import PAPERS, entries_of, jobs_of, paper_named
 from study.reproduction.effort import FULL, QUICK, Effort
 from study.reproduction.genetic_runs import GeneticCell
 from study.reproduction.jobs import Runs, name_of, run_all
@@ -35,7 +35,7 @@ from study.search.pso import PSO
 from study.search.state import Box
 
 TINY = Effort("tiny: for tests", 2, 0.02, 2, all_readings=False)
-PAPERS = list(MODULES)
+KEYS = list(PAPERS)
 DRAWN = ("woodworking-golds-pso", "ur5-tadf-ssa")  # drawing takes seconds; two papers have every kind of figure
 
 
@@ -45,8 +45,8 @@ def reproduced(tmp_path_factory):
     measure = InverseTiming.run
     with pytest.MonkeyPatch.context() as patch:  # seconds are measured less often: nothing here looks at them
         patch.setattr(InverseTiming, "run", lambda self: measure(InverseTiming(poses=40, repeats=1)))
-        runs = run_all(jobs_of(PAPERS, TINY), folder / "cache", 1)
-    return {paper: (entries_of(paper, runs, TINY), runs) for paper in PAPERS}
+        runs = run_all(jobs_of(KEYS, TINY), folder / "cache", 1)
+    return {paper: (entries_of(paper, runs, TINY), runs) for paper in KEYS}
 
 
 class Page(HTMLParser):
@@ -81,17 +81,17 @@ class Page(HTMLParser):
 
 
 def test_all_five_papers_are_there():
-    assert set(PAPERS) == set(papers())
+    assert set(KEYS) == set(papers())
 
 
-@pytest.mark.parametrize("paper", PAPERS)
+@pytest.mark.parametrize("paper", KEYS)
 def test_every_cell_and_every_claim_has_a_verdict(reproduced, paper):
     entries, _ = reproduced[paper]
     cells = [(e.place.table, e.place.row, e.place.column, e.printed) for e in entries if e.place.table != CLAIM]
     printed = [(n, c.row, c.column, c.printed) for n, table in tables(paper).items() for c in table.cells]
     assert cells == printed
     ruled = [e.place.row for e in entries if e.place.table == CLAIM]
-    assert ruled == [*claims(paper), *(s.id for s in MODULES[paper].statements())]
+    assert ruled == [*claims(paper), *(s.id for s in statements(paper))]
     assert len(set(ruled)) == len(ruled)
     for entry in entries:
         if entry.ruling.outcome in (
@@ -105,7 +105,7 @@ def test_every_cell_and_every_claim_has_a_verdict(reproduced, paper):
             assert entry.ruling.why.endswith("fails")
 
 
-@pytest.mark.parametrize("paper", PAPERS)
+@pytest.mark.parametrize("paper", KEYS)
 def test_every_row_and_column_of_every_table_stands_on_the_page(reproduced, tmp_path, paper, monkeypatch):
     entries, runs = reproduced[paper]
     if paper not in DRAWN:
@@ -131,7 +131,7 @@ def test_every_row_and_column_of_every_table_stands_on_the_page(reproduced, tmp_
 def test_the_index_counts_what_the_pages_hold(reproduced, tmp_path):
     entries = {paper: found for paper, (found, _) in reproduced.items()}
     text = write_index(entries, TINY, tmp_path, {}).read_text(encoding="utf-8")
-    for paper in PAPERS:
+    for paper in KEYS:
         assert f'href="{paper}.html"' in text
     numbers = [int(n) for n in re.findall(r'<td class="num">(\d+)</td>', text)]
     assert sum(numbers) == sum(len(found) for found in entries.values())
@@ -139,10 +139,10 @@ def test_the_index_counts_what_the_pages_hold(reproduced, tmp_path):
 
 def test_a_missing_ruling_is_an_error(reproduced, monkeypatch):
     _, runs = reproduced["ur5-tadf-ssa"]
-    module = MODULES["ur5-tadf-ssa"]
-    whole = module.rulings(runs, TINY)
-    monkeypatch.setattr(module, "rulings", lambda runs, effort: dict(list(whole.items())[1:]))
-    with pytest.raises(StudyError, match="no ruling on Table 1"):
+    kind = PAPERS["ur5-tadf-ssa"]
+    whole = kind(TINY, runs).rulings()
+    monkeypatch.setattr(kind, "rulings", lambda self: dict(list(whole.items())[1:]))
+    with pytest.raises(StudyError, match="no ruling on Table 2, 1 / x"):
         entries_of("ur5-tadf-ssa", runs, TINY)
 
 
@@ -290,8 +290,8 @@ def test_a_folder_that_cannot_be_written(tmp_path):
 def test_the_full_reproduction_gives_the_committed_verdicts(tmp_path):
     """Paper scale. Also the targets: mean cells within one order of magnitude under the stated readings."""
     pytest.importorskip("pymoo")
-    runs = run_all(jobs_of(PAPERS, FULL), tmp_path)
-    entries = {paper: entries_of(paper, runs, FULL) for paper in PAPERS}
+    runs = run_all(jobs_of(KEYS, FULL), tmp_path)
+    entries = {paper: entries_of(paper, runs, FULL) for paper in KEYS}
     for paper, columns in (("woodworking-golds-pso", 5), ("puma560-chaotic-spso", 3)):
         means = [
             entry
@@ -311,4 +311,4 @@ def test_efforts_say_what_they_are():
     assert FULL.attempts == 100
     assert QUICK.label.startswith("quick")
     assert QUICK.generations(300) == 300
-    assert Counter(type(job).__name__ for job in jobs_of(PAPERS, FULL))["PathAttempts"] == 30
+    assert Counter(type(job).__name__ for job in jobs_of(KEYS, FULL))["PathAttempts"] == 30

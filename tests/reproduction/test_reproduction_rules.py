@@ -10,11 +10,13 @@ from study.errors import StudyError
 from study.reproduction import rules
 from study.reproduction.arithmetic import Statistics, examine, grain, largest, outside_extremes
 from study.reproduction.benchmark_table import RUNS, BenchmarkTable
-from study.reproduction.common import chi_squares, conversion, more_uniform, percentage
 from study.reproduction.duration_rows import Row, added_up, infeasible, rule
 from study.reproduction.effort import Effort
+from study.reproduction.in_print import printed_value, rulings_in_print
+from study.reproduction.jobs import Runs
 from study.reproduction.motion_runs import judged, summarised, synchronised
-from study.reproduction.verdicts import RULES, Outcome, Ruling, strongest
+from study.reproduction.uniformity import chi_squares, more_uniform
+from study.reproduction.verdicts import RULES, Outcome, Place, Ruling, claim, strongest
 from study.testfunctions import benchmarks_of
 
 TINY = Effort("tiny", 2, 0.02, 2)
@@ -129,7 +131,7 @@ def as_printed(text):
 
 
 def impossible_cells(paper):
-    table = BenchmarkTable(paper, TINY)
+    table = BenchmarkTable(paper, TINY, Runs({}))
     found = set()
     for function in table.functions:
         for column in table.table.columns:
@@ -218,10 +220,25 @@ def test_our_runs_put_together_and_summarised():
     assert summarised(case, np.ones((2, 3))) is None
 
 
-def test_percentages_conversions_and_uniformity():
-    assert percentage("47.483%", 15.0, 7.8776).outcome is Outcome.REPRODUCED
-    assert percentage("47.35%", 15.0, 7.8776).outcome is Outcome.CONTRADICTS
-    assert conversion("0.71", -0.7138, "-40.9 deg").outcome is Outcome.CONTRADICTS
+def test_what_the_print_alone_decides():
+    wood = rulings_in_print("woodworking-golds-pso")
+    assert wood[claim("reduction-before")].outcome is Outcome.REPRODUCED
+    assert wood[claim("abstract-reduction-before")].outcome is Outcome.CONTRADICTS
+    assert wood[claim("spread-12-pso")].outcome is Outcome.CONTRADICTS
+    assert wood[claim("population")].outcome is Outcome.USED
+    aubo = rulings_in_print("aubo-dynamic-adaptive-pso")
+    assert aubo[Place("Table 4", "K1", "theta3 (rad)")].outcome is Outcome.CONTRADICTS
+    assert aubo[Place("Table 4", "K1", "theta3 (deg)")].outcome is Outcome.USED
+    assert rulings_in_print("ur5-smwoa")[claim("total-before")].outcome is Outcome.NOT_REPRODUCIBLE
+
+
+def test_terms_of_rules_are_printed_numbers():
+    assert printed_value("ur5-smwoa", "Table 6 / SMA / h1 + h2") == pytest.approx(10.705)
+    with pytest.raises(StudyError, match="takes 'totl', which is no claim"):
+        printed_value("ur5-smwoa", "totl")
+
+
+def test_uniformity_of_maps():
     assert 7 < np.median(chi_squares("uniform")) < 10  # nine degrees of freedom
     assert more_uniform("circle", ["uniform"]).outcome is Outcome.WORSE
     assert more_uniform("uniform", ["circle", "logistic", "singer"]).outcome is Outcome.REPRODUCED

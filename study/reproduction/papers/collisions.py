@@ -10,11 +10,10 @@ from scipy import stats
 
 from study.planners.rrt_spso import METHODS
 from study.reproduction import rules
-from study.reproduction.common import Rulings
 from study.reproduction.effort import Effort
 from study.reproduction.jobs import Job, Runs
 from study.reproduction.path_runs import PathAttempts, attempts
-from study.reproduction.verdicts import claim
+from study.reproduction.verdicts import Rulings, claim
 
 
 def _attempts(method: str, effort: Effort) -> list[PathAttempts]:

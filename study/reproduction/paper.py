@@ -1,0 +1,123 @@
+"""One paper as the reproduction sees it: its work, its rulings and its figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from study.cases.library import load_case
+from study.cases.published import Claim, Table, claims, tables
+from study.problem import Floats
+from study.reproduction.benchmark_table import BenchmarkTable
+from study.reproduction.effort import Effort
+from study.reproduction.jobs import Job, Record, Runs
+from study.reproduction.motion_runs import MotionCell, OptimumCell, Summary, summarised, synchronised
+from study.reproduction.verdicts import Rulings
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One small plot: lines over generations.
+
+    Attributes
+    ----------
+    title : str
+    lines : mapping of a label to generations and values
+    logarithmic : bool
+        Whether values span orders of magnitude.
+    """
+
+    title: str
+    lines: Mapping[str, tuple[Sequence[float], Sequence[float]]]
+    logarithmic: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Motions of a case to draw: labels and segment durations, shape (n_segments,), s."""
+
+    case: str
+    motions: Sequence[tuple[str, Floats]]
+
+
+def line_of(record: Record) -> tuple[Sequence[float], Sequence[float]]:
+    """Median best value against generations of a job's record."""
+    return record["generations"], record["curve"]
+
+
+class Paper(Protocol):
+    """What the reproduction asks of a paper."""
+
+    key: ClassVar[str]
+    short: ClassVar[str]
+    maps: ClassVar[tuple[str, ...]]
+
+    def __init__(self, effort: Effort, runs: Runs) -> None:
+        """Take the effort, and the records of the jobs; none are needed to name the jobs."""
+
+    def jobs(self) -> list[Job]:
+        """All work that the paper's page needs."""
+
+    def rulings(self) -> Rulings:
+        """Rule on everything that the print alone does not decide."""
+
+    def panels(self) -> list[Panel]:
+        """Convergence on the arm."""
+
+    def drives(self) -> list[Drive]:
+        """Printed, ours and fastest motion."""
+
+
+@dataclass(frozen=True)
+class PaperRuns:
+    """Effort and records of one paper, and what every paper's rulings need of them.
+
+    Attributes
+    ----------
+    effort : Effort
+    runs : Runs
+    """
+
+    effort: Effort
+    runs: Runs
+    key: ClassVar[str]
+    short: ClassVar[str]
+    maps: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    def tables(self) -> dict[str, Table]:
+        """Printed tables by number."""
+        return tables(self.key)
+
+    @property
+    def claims(self) -> dict[str, Claim]:
+        """Printed numbers of the prose by id."""
+        return claims(self.key)
+
+    @property
+    def benchmarks(self) -> BenchmarkTable:
+        """The paper's benchmark table with our runs of it."""
+        return BenchmarkTable(self.key, self.effort, self.runs)
+
+    def fastest(self, case: str, joint: int | None = None) -> float:
+        """Shortest duration on the paper's curve, s, by the deterministic reference."""
+        return float(self.runs[OptimumCell(case, joint)]["total"])
+
+    def line(self, job: Job) -> tuple[Sequence[float], Sequence[float]]:
+        """Median best value against generations of a job's record."""
+        return line_of(self.runs[job])
+
+    def timed(self, case: str, cells: Sequence[MotionCell], joint: int | None = None) -> Summary | None:
+        """Our feasible runs: of one cell, or of one cell for each joint put together as the papers do."""
+        records = [self.runs[cell] for cell in cells]
+        per_seed = np.array(records[0]["durations"]) if len(cells) == 1 else synchronised(records)
+        return summarised(load_case(case), per_seed, joint)
+
+    def drive(self, case: str, printed: Floats, label: str, ours: Summary | None) -> Drive:
+        """Printed, ours and fastest motion of all joints together."""
+        own = [] if ours is None else [(f"{label}, ours", ours.durations)]
+        fastest = np.array(self.runs[OptimumCell(case)]["durations"])
+        return Drive(case, [("printed", printed), *own, ("fastest on this curve", fastest)])
