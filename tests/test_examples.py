@@ -1,11 +1,16 @@
 """What `examples/` shows is installed and run as a stranger would."""
 
+import csv
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from study.recording.stream import entity
+from tests.helpers.recordings import chunks, series
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -40,25 +45,78 @@ def run(arguments, folder, outside=None):
     return ended.stdout
 
 
-def test_an_installed_package_takes_part_like_ours(outside, tmp_path):
-    listed = run(["-m", "study", "list"], tmp_path, outside)
-    assert "chord-rule" in listed
-    assert "shrinking-steps" in listed
-    run(["-m", "study", "init", "mine.yaml"], tmp_path, outside)
-    names = "chord-rule,shrinking-steps,casadi-nlp"
-    shown = run(
-        ["-m", "study", "compare", "mine.yaml", "--planners", names, "--seeds", 1, "--evaluations", 500, "--no-report"],
-        tmp_path,
-        outside,
+def test_an_installed_package_is_listed_with_its_own_words(outside, tmp_path):
+    listed = " ".join(run(["-m", "study", "list"], tmp_path, outside).split())
+    for name in ("chord-rule", "stop-and-go", "shrinking-steps"):
+        assert name in listed
+    assert "durations in proportion to the distance, stretched to the limits" in listed
+
+
+@pytest.fixture(scope="module")
+def compared(outside, tmp_path_factory):
+    """Text of a comparison of the strangers' planners with one of ours, and the folder with its report and recording."""
+    folder = tmp_path_factory.mktemp("compared")
+    run(["-m", "study", "init", "mine.yaml"], folder, outside)
+    arguments = [
+        "--planners",
+        "chord-rule,stop-and-go,shrinking-steps,ruckig-stops",
+        "--evaluations",
+        500,
+        "--seeds",
+        1,
+    ]
+    return run(["-m", "study", "compare", "mine.yaml", *arguments], folder, outside), folder / "study-output"
+
+
+def test_a_strangers_planners_stand_in_the_terminal_as_ours_do(compared):
+    rows = {words[0]: words[1:] for line in compared[0].splitlines() if (words := line.replace("│", " ").split())}
+    assert rows["chord-rule"][:2] == rows["shrinking-steps"][:2] == ["case's", "curve"]
+    assert rows["stop-and-go"][0] == rows["ruckig-stops"][0] == "free"
+    assert "yes" in rows["stop-and-go"]
+    assert "yes" in rows["chord-rule"]
+
+
+def test_a_strangers_planners_stand_in_report_and_ladder_as_ours_do(compared):
+    page = (compared[1] / "report" / "mine.html").read_text()
+    names = page[page.index("What the names of the methods mean") :]
+    assert (
+        "<dt>stop-and-go</dt><dd>a smooth step of degree 5 from waypoint to waypoint, with a stop at each</dd>" in names
     )
-    assert "chord-rule" in shown
-    assert "fastest feasible: casadi-nlp" in shown
+    assert "<dt>shrinking-steps</dt><dd>Normal steps around the incumbent;" in names
+    ladder = page[page.index("Table of the ladder") : page.index('id="about"')]
+    rungs = re.findall(r'<tr><th scope="row" class="rung">(.*?)</tr>', ladder, re.DOTALL)
+    assert [re.search(r"nowrap\">([\w-]+)<", rung)[1] for rung in rungs] == [
+        "shrinking-steps",
+        "chord-rule",
+        "stop-and-go",
+        "ruckig-stops",
+    ]
+    assert "path: free between the waypoints; a smooth step of degree 5" in rungs[2]
+    with (compared[1] / "report" / "tables" / "mine-results.csv").open() as file:
+        kinds = {row["method"]: (row["kind"], row["path"]) for row in csv.DictReader(file)}
+    assert kinds["shrinking-steps"] == ("search", "case's curve")
+    assert kinds["stop-and-go"] == ("deterministic", "free path")
+
+
+def test_a_strangers_planners_stand_in_the_recording_as_ours_do(compared):
+    (recording,) = (compared[1] / "recordings").iterdir()
+    summary = chunks(recording, "/summary", "TextDocument:text")[0].column("TextDocument:text").to_pylist()[0][0]
+    assert re.search(r"\| stop-and-go \| feasible \|.*\| free path \|", summary)
+    for name in ("chord-rule", "stop-and-go", "shrinking-steps"):
+        assert len(series(recording, entity("q", "shoulder_pan", name))[0]) > 100
+
+
+def test_a_strangers_planner_is_tortured_as_ours_are(outside, tmp_path):
+    arguments = ["--planners", "stop-and-go", "--problems", 12, "--jobs", 1]
+    shown = run(["-m", "study", "torture", *arguments], tmp_path, outside)
+    (row,) = [line.replace("│", " ").split() for line in shown.splitlines() if line.startswith("│ stop-and-go")]
+    assert row == ["stop-and-go", "12", "0", "0", "0", "0"]
 
 
 def test_the_package_passes_the_conformance_tests(outside, tmp_path):
     copy = tmp_path / "test_outside_planner.py"
     copy.write_bytes((EXAMPLES / "outside_planner" / "test_outside_planner.py").read_bytes())
-    assert "2 passed" in run(["-m", "pytest", "-q", "-p", "no:cacheprovider", copy], tmp_path, outside)
+    assert "3 passed" in run(["-m", "pytest", "-q", "-p", "no:cacheprovider", copy], tmp_path, outside)
 
 
 def test_the_ten_lines_run_and_write_a_message(tmp_path):

@@ -1,4 +1,4 @@
-"""One file, two planners: a rule without any search, and a search of one's own on the study's curves."""
+"""One file, three planners: a rule, a path of one's own, and a search of one's own on the study's curves."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from study.planners.segment_times import SegmentTimePlanner
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Demand, Floats, Problem
 from study.search.state import Box, State
+from study.trajectory import Trajectory
 
 
 class ChordRule:
@@ -31,6 +32,28 @@ class ChordRule:
         durations = Scaled(problem, curve).durations(durations[None])[0]
         motion = curve.motion(problem.waypoints, durations)
         return Plan(Status.FINISHED, motion=motion, durations=durations)
+
+
+class StopAndGo:
+    """One smooth polynomial from waypoint to waypoint, with a stop at each."""
+
+    stochastic: ClassVar[bool] = False
+    about: ClassVar[str] = "a smooth step of degree 5 from waypoint to waypoint, with a stop at each"
+    freedom: ClassVar[Freedom] = Freedom.FREE  # it chooses the path between the waypoints
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS | {Demand.POSITION_RANGE}  # a step never overshoots
+
+    def plan(self, problem: Problem, settings: RunSettings) -> Plan:
+        """Take for every segment the shortest time at which every joint keeps its limits."""
+        steps = np.diff(problem.waypoints, axis=0)
+        peaks = np.array([15 / 8, 10 / np.sqrt(3), 60.0])[:, None, None]  # of a step of 1 in 1 s
+        order = np.array([1, 2, 3])[:, None, None]
+        durations = ((peaks * np.abs(steps) / problem.limits.rates[:, None]) ** (1 / order)).max(axis=(0, 2))
+        if not durations.all():
+            return Plan(Status.NOT_APPLICABLE, message="two neighbouring waypoints are equal")
+        shape = np.array([10.0, -15.0, 6.0])[:, None] / durations ** np.array([3, 4, 5])[:, None]
+        still = np.zeros_like(problem.waypoints[:-1])
+        rows = [problem.waypoints[:-1], still, still, *(shape[:, :, None] * steps)]
+        return Plan(Status.FINISHED, motion=Trajectory.from_pieces(durations, np.stack(rows, axis=1)))
 
 
 @dataclass(frozen=True, eq=False)
