@@ -8,44 +8,35 @@ from pathlib import Path
 
 import numpy as np
 
+from study.cautions import cautions, unbounded_joints
 from study.errors import StudyError
 from study.io.export import write_motion
 from study.judge import Verdict
-from study.planning import RunSettings, usual_settings
+from study.planning import RunSettings, Status, usual_settings
 from study.problem import Problem
-from study.registry import planner_named, planner_names
+from study.registry import planner_about, planner_named, planner_names
 from study.runs.execute import Task, execute
+from study.runs.selections import AUTO, AUTO_RESERVE, AUTO_UNBOUNDED, COMPARED
 from study.store.results import Cell, Result
 from study.trajectory import Motion
 
 __all__ = ["COMPARED", "Comparison", "Planned", "automatic", "compare", "plan", "usual_settings"]
 
-COMPARED = ("free-path-nlp", "ruckig-via", "casadi-nlp", "toppra", "ruckig-stops", "golds-pso", "random-search")
-"""Planners that `compare` takes unless told otherwise: every deterministic kind, one metaheuristic and the floor."""
-
-STRAIGHT = "only velocities are limited, and straight lines at full speed are then the exact optimum"
-SMOOTHED = (
-    "jerk is limited, so it moves with linear acceleration in every piece, and optimises how it passes the waypoints"
-)
-STEPPED = "acceleration is limited and jerk is not, so it moves at full acceleration, and optimises how it passes the waypoints"
-FREED = "the planner before it gave no feasible motion, and a free path in many pieces comes as close to the optimum"
-CURVED = "the planners before it gave no feasible motion, and durations on a spline can be optimised exactly"
-STOPPING = (
-    "the planners before it gave no feasible motion; stopping at every waypoint never leaves the waypoints' range"
-)
+STILL = 1e-9
+"""Share of a joint's largest speed below which the joint stands still."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Planned:
-    """What `plan` found.
+    """Answer of `plan`.
 
     Attributes
     ----------
     problem : Problem
     result : Result
-        The answer: the first feasible one, else the one that breaks the limits least.
+        The fastest feasible motion of all that were tried, else the one that breaks the limits least.
     tried : tuple of (str, str, Result)
-        Planners in the order in which they ran, why each was chosen, and what came of it.
+        Planners in the order in which they ran, how each works, and its result.
     """
 
     problem: Problem
@@ -59,8 +50,41 @@ class Planned:
 
     @property
     def why(self) -> str:
-        """Why that planner was taken."""
-        return next(why for _, why, result in self.tried if result is self.result)
+        """Reason why this motion is the answer, and why it stops at every waypoint where it does."""
+        if len(self.tried) == 1:
+            lead = "it was asked for"
+        elif not self.feasible:
+            return "no motion keeps the limits, and this one breaks them least"
+        else:
+            count = sum(not _reason(result) for _, _, result in self.tried)
+            lead = (
+                f"the fastest of {count} feasible motions" if count > 1 else "the only feasible motion that was found"
+            )
+        about = next((about for name, about, _ in self.tried if name == self.planner), "")
+        return f"{lead}: {about}{self._stopping}"
+
+    @property
+    def _stopping(self) -> str:
+        if not (self.feasible and _stops_everywhere(self.problem, self.motion)):
+            return ""
+        others = [f"{name}: {reason}" for name, _, result in self.tried if (reason := _reason(result))]
+        return f"; it stops at every waypoint, because {'; '.join(others) or 'nothing that was tried is faster'}"
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences to be read before the motion is driven: missing limits, and time limits that were reached."""
+        late = [f"{n}: {r.message or r.status.value}" for n, _, r in self.tried if r.status is Status.TIMED_OUT]
+        return (*cautions(self.problem), *late)
+
+    def __repr__(self) -> str:
+        end = (
+            f"{self.duration:.6g} s by {self.planner}, feasible"
+            if self.feasible
+            else f"no feasible motion: {self.reason}"
+        )
+        tried = ", ".join(name for name, _, _ in self.tried)
+        warned = "; ".join(self.warnings) or "none"
+        return f"Planned {self.problem.name!r}: {end}\ntried: {tried}\nwarnings: {warned}"
 
     @property
     def feasible(self) -> bool:
@@ -103,14 +127,23 @@ class Planned:
         """Why there is no feasible motion, one sentence; empty where there is one."""
         return _reason(self.result)
 
-    def write(self, path: str | Path, rate: float | None = None) -> Path:
-        """Write the motion in the form that the file's name asks for; see `study.io.export.write_motion`."""
-        return write_motion(self.motion, self.problem, Path(path), rate)
+    def write(
+        self, path: str | Path, rate: float | None = None, *, accept_unbounded_acceleration: bool = False
+    ) -> Path:
+        """Write the motion in the form that the file's name asks for; see `study.io.export.write_motion`.
+
+        Raises
+        ------
+        StudyError
+            If the file cannot be written, or a joint that moves has no acceleration limit and that is not accepted.
+        """
+        accepted = accept_unbounded_acceleration
+        return write_motion(self.motion, self.problem, Path(path), rate, accept_unbounded_acceleration=accepted)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
-    """What `compare` found: one result for each planner and seed, feasible ones first, then by duration."""
+    """Answer of `compare`: one result for each planner and seed, feasible ones first, then by duration."""
 
     problem: Problem
     results: tuple[Result, ...]
@@ -121,8 +154,19 @@ class Comparison:
         first = self.results[0]
         return first if first.verdict is not None and first.verdict.feasible else None
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences to be read before any of the motions is driven."""
+        return cautions(self.problem)
+
     def __str__(self) -> str:
-        return "\n".join(_lines(self.results))
+        return "\n".join([*self.warnings, *_lines(self.results)])
+
+    def __repr__(self) -> str:
+        count, best = sum(not _reason(result) for result in self.results), self.best
+        fastest = f"{best.cell.label}, {_duration(best):.6g} s" if best else "none"
+        lead = f"Comparison on {self.problem.name!r}: {len(self.results)} runs, {count} feasible"
+        return f"{lead}\nfastest feasible: {fastest}\nwarnings: {'; '.join(self.warnings) or 'none'}"
 
 
 def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None = None) -> Planned:
@@ -132,10 +176,10 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
     ----------
     problem : Problem
     planner : str
-        A name that `study list` prints, or `auto`: planners that suit the limits one after the other, until the judge
-        passes a motion.
+        A name that `study list` prints, or `auto`: every planner of `automatic(problem)` in turn. The fastest feasible
+        motion of all is the answer, so it is never slower than a stop at every waypoint.
     settings : RunSettings, optional
-        `usual_settings(problem)` by default.
+        `usual_settings(problem)` by default; its time limit holds for every planner.
 
     Returns
     -------
@@ -148,26 +192,34 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
     """
     if planner != "auto" and planner not in planner_names():
         planner_named(planner)  # which says what there is
-    tried: list[tuple[str, str, Result]] = []
-    for name, why in automatic(problem) if planner == "auto" else [(planner, "it was asked for")]:
-        tried.append((name, why, _run(problem, name, settings or usual_settings(problem))))
-        if not _reason(tried[-1][2]):
-            break
-    return Planned(problem, min((result for _, _, result in tried), key=_rank), tuple(tried))
+    settings = settings or usual_settings(problem)
+    if planner != "auto":
+        return _planned(problem, [planner], settings)
+    planned = _planned(problem, automatic(problem), settings)
+    if planned.feasible and not _stops_everywhere(problem, planned.motion):
+        return planned
+    return _planned(problem, AUTO_RESERVE, settings, planned.tried)
 
 
-def automatic(problem: Problem) -> Iterator[tuple[str, str]]:
-    """Name planners that suit a problem, best first, each with why."""
-    moving = np.ptp(problem.waypoints, axis=0) > 0
-    limited = np.isfinite(problem.limits.rates[1:, moving])
-    acceleration, jerk = bool(limited[0].any()), bool(limited[1].any())
-    if not (acceleration or jerk):
-        yield "free-path-nlp", STRAIGHT
-    else:
-        yield "ruckig-via", SMOOTHED if jerk else STEPPED
-        yield "free-path-nlp", FREED
-        yield "casadi-nlp", CURVED
-    yield "ruckig-stops", STOPPING
+def _planned(
+    problem: Problem, names: Sequence[str], settings: RunSettings, before: tuple[tuple[str, str, Result], ...] = ()
+) -> Planned:
+    """Run planners and keep the best motion of all, those that ran before among them."""
+    tried = (*before, *((name, planner_about(name), _run(problem, name, settings)) for name in names))
+    return Planned(problem, min((result for _, _, result in tried), key=_rank), tried)
+
+
+def automatic(problem: Problem) -> tuple[str, ...]:
+    """Planners that `plan` tries by itself on a problem; `study.runs.selections` holds the choice."""
+    return AUTO_UNBOUNDED if unbounded_joints(problem)[problem.moving].all() else AUTO
+
+
+def _stops_everywhere(problem: Problem, motion: Motion) -> bool:
+    """Whether a motion rests at every waypoint between the ends."""
+    if problem.n_waypoints < 3:
+        return False
+    speeds = np.abs(motion(motion.waypoint_times[1:-1], 1))
+    return bool((speeds <= STILL * motion.extrema(1).peak).all())
 
 
 def compare(
@@ -209,6 +261,10 @@ def _seeds(name: str, seeds: int) -> range:
 
 def _run(problem: Problem, name: str, settings: RunSettings) -> Result:
     return execute(Task(Cell(problem.name, name, name, settings), problem))
+
+
+def _duration(result: Result) -> float:
+    return np.inf if result.verdict is None else result.verdict.duration
 
 
 def _reason(result: Result) -> str:

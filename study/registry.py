@@ -34,6 +34,14 @@ def planner_named(name: str) -> Planner:
     return _load(name, tuple(sys.path))
 
 
+def planner_about(name: str) -> str:
+    """Line with which a planner describes itself, or the reason why it cannot be loaded."""
+    try:
+        return planner_named(name).about
+    except StudyError as error:
+        return str(error)
+
+
 def unavailable_planners() -> dict[str, str]:
     """Say of every installed planner that cannot be loaded why not."""
     reasons = {}

@@ -13,7 +13,10 @@ import yaml
 import study
 from study import Comparison, EndCondition, JointLimits, Planned, Problem, StudyError, compare, judge, plan
 from study.api import automatic
+from study.cautions import cautions, ends_said
 from study.io.exact import read_exact
+from study.registry import planner_about
+from study.runs.selections import AUTO, AUTO_UNBOUNDED
 from tests.helpers.robot_files import MOVEIT
 
 FOUR = np.array([[0.0, 0.2], [0.5, -0.1], [0.9, 0.3], [1.4, 0.1]])
@@ -21,30 +24,94 @@ V, A, J = np.array([1.0, 0.8]), np.array([2.0, 1.5]), np.array([20.0, 15.0])
 
 
 @pytest.mark.parametrize(
-    ("limits", "first", "reason"),
-    [
-        (JointLimits(V), "free-path-nlp", "only velocities are limited"),
-        (JointLimits(V, A), "ruckig-via", "acceleration is limited and jerk is not"),
-        (JointLimits(V, A, J), "ruckig-via", "jerk is limited"),
-    ],
+    ("limits", "tried"),
+    [(JointLimits(V), AUTO_UNBOUNDED), (JointLimits(V, A), AUTO), (JointLimits(V, A, J), AUTO)],
 )
-def test_auto_picks_by_the_limits_that_exist(limits, first, reason):
+def test_auto_gives_the_fastest_motion_of_all_that_it_tried(limits, tried):
     planned = plan(Problem("mine", FOUR, limits))
-    assert planned.planner == first
-    assert reason in planned.why
+    assert tuple(name for name, _, _ in planned.tried) == tried == automatic(planned.problem)
+    feasible = [result.verdict.duration for _, _, result in planned.tried if result.verdict.feasible]
     assert planned.feasible
+    assert planned.duration == min(feasible)
+    assert planned.why.startswith(f"the fastest of {len(feasible)} feasible motions: {planner_about(planned.planner)}")
     assert planned.verdict.worst_ratio == pytest.approx(1.0, abs=1e-6)
     assert judge(planned.problem, planned.motion).duration == planned.duration
 
 
-def test_auto_goes_on_until_the_judge_passes_a_motion(monkeypatch):
-    order = [("toppra", "first"), ("certified", "second"), ("ruckig-stops", "third"), ("casadi-nlp", "never")]
-    monkeypatch.setattr("study.api.automatic", lambda problem: iter(order))
+def test_auto_tries_its_reserve_where_the_arm_would_stop_everywhere(monkeypatch):
+    monkeypatch.setattr("study.api.automatic", lambda problem: ("toppra", "certified", "ruckig-stops"))
+    monkeypatch.setattr("study.api.AUTO_RESERVE", ("topp3-nlp",))
     planned = plan(Problem("mine", np.vstack([FOUR, FOUR + 0.1]), JointLimits(V, A, J)))
-    assert [(name, why) for name, why, _ in planned.tried] == order[:3]
-    assert (planned.planner, planned.why, planned.feasible) == ("ruckig-stops", "third", True)
+    assert [name for name, _, _ in planned.tried] == ["toppra", "certified", "ruckig-stops", "topp3-nlp"]
+    assert planned.feasible
+    assert planned.duration <= planned.tried[2][2].verdict.duration
     assert "acceleration of joint 2 jumps" in planned.tried[0][2].verdict.reasons[0]
     assert planned.tried[1][2].message
+
+
+def test_auto_says_why_the_arm_stops_at_every_waypoint(monkeypatch):
+    monkeypatch.setattr("study.api.automatic", lambda problem: ("toppra", "ruckig-stops"))
+    monkeypatch.setattr("study.api.AUTO_RESERVE", ())
+    problem = Problem("mine", FOUR, JointLimits(V, A, J))
+    planned = plan(problem)
+    assert planned.planner == "ruckig-stops"
+    assert planned.why.startswith("the only feasible motion that was found: Ruckig from waypoint to waypoint")
+    assert "it stops at every waypoint, because toppra: acceleration of joint" in planned.why
+    assert plan(problem, "ruckig-stops").why == (
+        f"it was asked for: {planner_about('ruckig-stops')}; it stops at every waypoint, because nothing that was tried is faster"
+    )
+
+
+def test_nothing_feasible_is_said_to_break_the_limits_least(monkeypatch):
+    monkeypatch.setattr("study.api.automatic", lambda problem: ("toppra", "copp"))
+    monkeypatch.setattr("study.api.AUTO_RESERVE", ("certified",))
+    planned = plan(Problem("mine", FOUR, JointLimits(V, A, J), EndCondition.FREE), "auto")
+    if not planned.feasible:
+        assert planned.why == "no motion keeps the limits, and this one breaks them least"
+    assert len(planned.tried) in (2, 3)
+
+
+def test_velocity_limits_alone_are_warned_of_and_no_file_is_written_unasked(tmp_path):
+    problem = Problem("mine", FOUR, JointLimits(V))
+    planned = plan(problem)
+    warning = (
+        "no joint has an acceleration limit, so speed may change in an instant, also at the start and at the end: "
+    )
+    assert planned.warnings == (warning + "no arm can follow such a motion",)
+    assert str(compare(problem, ["ruckig-stops"])).startswith(warning)
+    with pytest.raises(StudyError, match=r"no arm can follow.*nothing is written for a controller"):
+        planned.write(tmp_path / "a.yaml")
+    assert not (tmp_path / "a.yaml").exists()
+    assert planned.write(tmp_path / "a.yaml", accept_unbounded_acceleration=True).exists()
+    bounded = plan(Problem("mine", FOUR, JointLimits(V, A)), "ruckig-stops")
+    assert bounded.warnings == ()
+    assert bounded.write(tmp_path / "b.yaml").exists()
+
+
+def test_at_rest_is_said_only_where_the_judge_holds_the_motion_to_it():
+    half = JointLimits(V, np.array([2.0, np.inf]))
+    said = {limits: ends_said(Problem("p", FOUR, limits)) for limits in (JointLimits(V), half, JointLimits(V, A))}
+    assert list(said.values()) == [
+        "may start and end at full speed, because no joint has an acceleration limit",
+        "starts and ends at rest, but joint 2 may start and end at full speed without an acceleration limit",
+        "starts and ends at rest",
+    ]
+    assert cautions(Problem("p", FOUR, half))[0].startswith("joint 2 has no acceleration limit, so speed may change")
+    still = np.column_stack([FOUR[:, 0], np.zeros(4)])
+    assert cautions(Problem("p", still, half)) == ()
+    assert ends_said(Problem("p", FOUR, JointLimits(V), EndCondition.FREE)) == "may start and end in motion"
+
+
+def test_answers_are_shown_in_three_lines():
+    problem = Problem("mine", FOUR, JointLimits(V, A))
+    planned, compared = plan(problem, "ruckig-stops"), compare(problem, ["ruckig-stops", "toppra"])
+    assert repr(planned).splitlines() == [
+        f"Planned 'mine': {planned.duration:.6g} s by ruckig-stops, feasible",
+        "tried: ruckig-stops",
+        "warnings: none",
+    ]
+    assert repr(compared).splitlines()[0] == "Comparison on 'mine': 2 runs, 2 feasible"
+    assert len(repr(compared).splitlines()) == len(repr(plan(problem, "certified")).splitlines()) == 3
 
 
 def test_auto_keeps_a_narrow_range_of_positions():
@@ -59,7 +126,7 @@ def test_auto_keeps_a_narrow_range_of_positions():
 def test_only_limits_of_joints_that_move_count():
     waypoints = np.column_stack([FOUR, np.zeros(4)])
     limits = JointLimits(np.ones(3), np.array([np.inf, np.inf, 1.0]))
-    assert [name for name, _ in automatic(Problem("still", waypoints, limits))] == ["free-path-nlp", "ruckig-stops"]
+    assert automatic(Problem("still", waypoints, limits)) == AUTO_UNBOUNDED
 
 
 def test_a_planner_can_be_named_and_its_failure_has_a_reason():
@@ -226,7 +293,7 @@ def test_init_check_plan(tmp_path, study_command):
     assert again.returncode == 2
     assert again.stderr == "study: file 'my_case.yaml' exists already; name another one or move it away\n"
     checked = study_command("check", "my_case.yaml", cwd=tmp_path)
-    assert "planner auto takes ruckig-via: jerk is limited" in checked.stdout
+    assert "planner auto tries ruckig-via: Ruckig through the waypoints" in checked.stdout
     assert "the case is complete" in checked.stdout
     planned = study_command("plan", "my_case.yaml", "--planner", "casadi-nlp", "--rate", 50, cwd=tmp_path)
     assert planned.returncode == 0, planned.stderr
@@ -242,7 +309,8 @@ def test_init_check_plan(tmp_path, study_command):
 def test_plan_says_why_and_saves_where_told(small, study_command, tmp_path):
     ended = study_command("plan", small, "--save", tmp_path / "a.csv", "--save", tmp_path / "b.exact.json")
     assert ended.returncode == 0, ended.stderr
-    assert "planner ruckig-via: acceleration is limited and jerk is not" in ended.stdout
+    assert "planner ruckig-via: Ruckig through the waypoints" in ended.stdout
+    assert "taken: " in ended.stdout
     assert read_exact(tmp_path / "b.exact.json").duration == pytest.approx(2.62, rel=0.05)
 
 
@@ -278,7 +346,8 @@ def test_a_motion_of_microseconds_is_told_and_sampled_as_such(study_command, tmp
 
 
 def test_waypoints_alone_with_limits_from_a_robots_files(study_command, tmp_path):
-    (tmp_path / "joint_limits.yaml").write_text(MOVEIT)
+    limits = MOVEIT.replace("max_velocity: 1e0", "max_velocity: 1e0\n    max_acceleration: 2.0")
+    (tmp_path / "joint_limits.yaml").write_text(limits)
     (tmp_path / "points.csv").write_text("panda_joint1;joint <2>\r\n0;0\r\n30;40,5\r\n60;0\r\n")
     arguments = ["points.csv", "--limits", "joint_limits.yaml", "--units", "deg"]
     ended = study_command("plan", *arguments, "--save", "out.json", cwd=tmp_path)
@@ -293,6 +362,24 @@ def test_waypoints_alone_with_limits_from_a_robots_files(study_command, tmp_path
     bare = study_command("plan", "points.csv", cwd=tmp_path)
     assert bare.returncode == 2
     assert "holds waypoints only; add --limits" in bare.stderr
+
+
+def test_a_joint_without_an_acceleration_limit_is_warned_of_first_and_writes_no_file(study_command, tmp_path):
+    (tmp_path / "fast.yaml").write_text(
+        "units: rad\nwaypoints: [[0, 0], [1, 0.5], [0.2, 0.4]]\nlimits: {velocity: [2, 1]}\n"
+    )
+    checked = study_command("check", "fast.yaml", cwd=tmp_path)
+    assert checked.stdout.startswith("warning: no joint has an acceleration limit")
+    assert "at rest" not in checked.stdout
+    for command in (("plan", "fast.yaml"), ("compare", "fast.yaml", "--planners", "ruckig-stops", "--no-report")):
+        ended = study_command(*command, cwd=tmp_path)
+        assert ended.stdout.startswith("warning: no joint has an acceleration limit"), command
+        assert ended.returncode == 2
+        assert "nothing is written for a controller" in ended.stderr
+        assert not (tmp_path / "study-output" / "trajectories").exists()
+    accepted = study_command("plan", "fast.yaml", "--accept-unbounded-acceleration", cwd=tmp_path)
+    assert accepted.returncode == 0, accepted.stderr
+    assert (tmp_path / "study-output" / "trajectories" / "fast.yaml").is_file()
 
 
 def test_a_mistake_is_one_sentence_and_exit_code_2(small, study_command, tmp_path):

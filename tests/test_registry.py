@@ -9,7 +9,6 @@ from study.planning import RATE_LIMITS, Freedom, undescribed
 from study.registry import planner_named, planner_names, planner_version, unavailable_planners
 from study.runs.lineup import (
     AS_IN_PAPER,
-    HEADLINE_SEARCHES,
     Budget,
     Spec,
     default_lineup,
@@ -18,6 +17,7 @@ from study.runs.lineup import (
     parse_spec,
     parse_specs,
 )
+from study.runs.selections import HEADLINE_SEARCHES
 
 EXTRAS = {"copp", "cma-es", "cma-es-own-population"}
 """Planners whose packages are extras."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from study.analysis.methods import Kind, MethodSummary, Standing
 from study.planning import Freedom
-from study.runs.lineup import SOLVERS, YARDSTICKS
+from study.runs.selections import SOLVERS, YARDSTICKS
 
 ROLE_NAMES = {
     "search": "best metaheuristic",

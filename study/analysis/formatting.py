@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 
 from markupsafe import Markup, escape
 
+from study.errors import listed as listed
 from study.errors import plural as plural
 
 DASH = "–"
@@ -70,11 +70,6 @@ def share(ratio: float | None) -> str:
 def count(value: float | None) -> str:
     """Whole number with thin spaces between thousands."""
     return DASH if value is None else f"{value:,.0f}".replace(",", "\u202f")
-
-
-def listed(words: Sequence[str]) -> str:
-    """Join words as in a sentence."""
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}" if words else ""
 
 
 def coded(text: str) -> Markup:

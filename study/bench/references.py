@@ -15,7 +15,7 @@ from study.errors import StudyError
 from study.planning import Plan, RunSettings, Status
 from study.problem import Problem
 from study.registry import planner_named
-from study.runs.lineup import TIMED
+from study.runs.selections import TIMED
 
 TOPIC = "Deterministic planners"
 QUICK_CASES = ("woodworking", "ur5-helix")

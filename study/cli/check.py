@@ -12,12 +12,14 @@ from rich.console import Console
 from study.api import automatic
 from study.cases.library import Case, load_case
 from study.cases.obstacles import nearest
+from study.cautions import cautions, ends_said
 from study.cli import terminal
 from study.cli.inputs import FORMS, LimitFiles, is_bare, load_any
 from study.cli.shared import INFEASIBLE, make_console
 from study.errors import StudyError, plural
 from study.io.sampled import passages, read_motion
 from study.judge import judge
+from study.registry import planner_about
 from study.trajectory import Motion, Trajectory
 
 
@@ -95,14 +97,16 @@ def report_verdict(case: Case, motion: Motion, method: str, console: Console) ->
 
 def _explain(case: Case, console: Console) -> None:
     """Say what was read and what will be done with it."""
+    for caution in cautions(case.problem):
+        console.print(f"warning: {caution}", style="bold red", soft_wrap=True)
     for table in terminal.case_tables(case):
         console.print(table)
     problem = case.problem
     console.print(
-        f"{plural(problem.n_joints, 'joint')}, {problem.n_waypoints} waypoints; the motion {problem.end.value}",
+        f"{plural(problem.n_joints, 'joint')}, {problem.n_waypoints} waypoints; the motion {ends_said(problem)}",
         soft_wrap=True,
     )
-    for k, (name, choice) in enumerate(automatic(problem)):
-        console.print(f"{'planner auto takes' if k == 0 else 'or else'} {name}: {choice}", soft_wrap=True)
+    for name in automatic(problem):
+        console.print(f"planner auto tries {name}: {planner_about(name)}", soft_wrap=True)
     console.print(f"planners that choose segment durations use the curve {case.curve}")
     console.print("the case is complete")

@@ -18,7 +18,7 @@ from study.cases.library import Case, case_names, load_case
 from study.cases.obstacles import nearest
 from study.cases.own_case import bare_content
 from study.cli.inputs import LimitFiles, is_bare, load_any
-from study.cli.own import FORMS, Rate, Units, no_motion, trajectory_file
+from study.cli.own import FORMS, Accept, Rate, Units, no_motion, trajectory_file, warn
 from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, audit_flags, make_console, run_missing, show
 from study.cli.terminal import progress
 from study.datafiles import make_file
@@ -60,6 +60,7 @@ def compare(
     full: Annotated[
         bool, typer.Option("--full", help="Without FILE: the papers' own budgets and 30 repetitions of everything.")
     ] = False,
+    accept: Accept = False,
 ) -> None:
     """Put your own problem to several planners, or, without FILE, compare the papers' searches with tests and an audit.
 
@@ -71,6 +72,7 @@ def compare(
         return
     seeds = 3 if seeds is None else seeds
     case, console = load_any(file, units, limits or []), make_console()
+    warn(case, console)
     source = str(file.resolve()) if not is_bare(file) else _kept_case(case, file, units, limits or [], out)
     cells = make_cells([case], _compared(planners), Budget(seeds, evaluations, time_limit))
     with Store(out / STORE_NAME, {case.name: case}) as store:
@@ -83,7 +85,8 @@ def compare(
         raise typer.Exit(no_motion(case))
     console.print(f"fastest feasible: {best.cell.label}", soft_wrap=True)
     for form in FORMS:
-        path = write_motion(best.motion, case.problem, trajectory_file(out, case, form), rate)
+        path = trajectory_file(out, case, form)
+        write_motion(best.motion, case.problem, path, rate, accept_unbounded_acceleration=accept)
         console.print(f"trajectory: {path}", soft_wrap=True)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -11,9 +10,9 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from study.api import Planned
 from study.api import plan as plan_motion
 from study.cases.library import Case
+from study.cautions import cautions
 from study.cli.check import report_verdict
 from study.cli.example import EXAMPLE
 from study.cli.inputs import LimitFiles, load_any
@@ -24,7 +23,7 @@ from study.cli.shared import (
     make_console,
 )
 from study.datafiles import make_file
-from study.io.export import form_of, write_motion
+from study.io.export import form_of
 from study.io.filenames import file_stem
 from study.planning import Formulation, Synchronisation
 from study.runs.lineup import parse_specs
@@ -41,6 +40,14 @@ Rate = Annotated[
     typer.Option(
         help="Samples per second in the files written; the end point is always there. [default: 100, or what gives 10 to "
         "100,000 samples]"
+    ),
+]
+
+Accept = Annotated[
+    bool,
+    typer.Option(
+        "--accept-unbounded-acceleration",
+        help="Write trajectory files although a joint has no acceleration limit, so that no arm can follow the motion.",
     ),
 ]
 
@@ -67,6 +74,7 @@ def plan(
     time_limit: Annotated[float, typer.Option(help="Seconds for each planner.")] = 60.0,
     limits: LimitFiles = None,
     units: Units = None,
+    accept: Accept = False,
 ) -> None:
     """Plan one motion, have it judged and write it; ends with 3 where no feasible motion was found."""
     case, console = load_any(file, units, limits or []), make_console()
@@ -80,33 +88,35 @@ def plan(
             formulation=Formulation(spec.formulation or settings.formulation),
             synchronisation=Synchronisation(spec.synchronisation or settings.synchronisation),
         )
+    warn(case, console)
     planned = plan_motion(case.problem, spec.planner if spec else "auto", settings)
-    for name, why, result in planned.tried:
-        console.print(f"planner {name}: {why}", soft_wrap=True)
-        if result is not planned.result or not planned.feasible:
-            console.print(f"  no feasible motion: {_why_not(result)}", soft_wrap=True)
+    for name, about, result in planned.tried:
+        console.print(f"planner {name}: {about}\n  {_outcome(result)}", soft_wrap=True)
+    console.print(f"taken: {planned.planner}, {planned.why}", soft_wrap=True)
     if planned.result.motion is None or not report_verdict(case, planned.motion, "", console):
         raise typer.Exit(no_motion(case))
-    _save(case, planned, save, out, rate, console)
+    for path in save or [trajectory_file(out, case, form) for form in FORMS]:
+        written = planned.write(path, rate, accept_unbounded_acceleration=accept)
+        console.print(f"trajectory: {written}", soft_wrap=True, markup=False)
 
 
-def _why_not(result: Result) -> str:
-    return "; ".join(result.verdict.reasons) if result.verdict else result.message or result.status.value
+def warn(case: Case, console: Console) -> None:
+    """Print what must be known before a motion of the case is driven."""
+    for caution in cautions(case.problem):
+        console.print(f"warning: {caution}", style="bold red", soft_wrap=True)
+
+
+def _outcome(result: Result) -> str:
+    if result.verdict is not None and result.verdict.feasible:
+        return f"{result.verdict.duration:.6g} s, feasible"
+    reasons = "; ".join(result.verdict.reasons) if result.verdict else result.message or result.status.value
+    return f"no feasible motion: {reasons}"
 
 
 def no_motion(case: Case) -> int:
     """Say that no motion was found; the exit status."""
     typer.echo(f"study: case {case.name!r}: no feasible motion was found; the reasons are above", err=True)
     return INFEASIBLE
-
-
-def _save(
-    case: Case, planned: Planned, save: Sequence[Path] | None, out: Path, rate: float | None, console: Console
-) -> None:
-    for path in save or [trajectory_file(out, case, form) for form in FORMS]:
-        console.print(
-            f"trajectory: {write_motion(planned.motion, case.problem, path, rate)}", soft_wrap=True, markup=False
-        )
 
 
 def trajectory_file(out: Path, case: Case, form: str) -> Path:

@@ -17,6 +17,7 @@ from study.analysis.formatting import DASH, figures, percent, share
 from study.analysis.methods import Kind, MethodSummary, Standing
 from study.cases.ledger import Entry
 from study.cases.library import Case
+from study.cautions import ends_said
 from study.judge import RATES, Verdict
 from study.planning import Planner
 from study.problem import Problem
@@ -166,7 +167,7 @@ def case_tables(case: Case) -> list[Table]:
     own = case.paper == "own"
     if not own:
         facts.add_row("paper", case.paper)
-    facts.add_row("curve", f"{case.curve}; the motion {case.problem.end.value}")
+    facts.add_row("curve", f"{case.curve}; the motion {ends_said(case.problem)}")
     facts.add_row("segment durations", f"{lower:g} to {upper:g} s")
     settings = case.settings
     ways = f"{settings.formulation}, {settings.synchronisation}, population {settings.population}"

@@ -13,7 +13,8 @@ from study.planners.other_searches import MinimiserPlanner
 from study.planning import Formulation, Freedom
 from study.problem import Floats
 from study.registry import planner_named, planner_names, unavailable_planners
-from study.runs.lineup import CONTESTANTS, REPEATED, YARDSTICKS, Spec, make_cells
+from study.runs.lineup import Spec, make_cells
+from study.runs.selections import CONTESTANTS, REPEATED, YARDSTICKS
 from study.store.results import Cell, Result
 
 LEVELS = {

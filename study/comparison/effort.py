@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from study.runs.lineup import FULL_SEEDS, QUICK_EVALUATIONS, SLOW_SOLVERS, SOLVERS, TIME_LIMIT, Budget
+from study.runs.lineup import FULL_SEEDS, QUICK_EVALUATIONS, TIME_LIMIT, Budget
+from study.runs.selections import SLOW_SOLVERS, SOLVERS
 
 QUICK_CASES = ("woodworking", "ur5-helix")
 

@@ -20,7 +20,7 @@ from study.comparison.runtime import TARGETS
 from study.comparison.sentences import micro, p_value
 from study.comparison.statistics import Interval
 from study.comparison.tasks import SHIFTED
-from study.runs.lineup import YARDSTICKS
+from study.runs.selections import YARDSTICKS
 
 FLAG = "⚑"
 Cell = str | Markup

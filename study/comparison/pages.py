@@ -18,7 +18,7 @@ from study.comparison.ioh import write_ioh
 from study.comparison.performance import anytime, distributions
 from study.errors import StudyError
 from study.report.rendering import render
-from study.runs.lineup import YARDSTICKS
+from study.runs.selections import YARDSTICKS
 
 PAGES = {
     "index": "Claims",

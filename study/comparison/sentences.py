@@ -16,7 +16,7 @@ from study.comparison.contestants import needs_scaling
 from study.comparison.differences import Omnibus
 from study.comparison.performance import Performance
 from study.comparison.statistics import smallest_pair_p
-from study.runs.lineup import YARDSTICKS
+from study.runs.selections import YARDSTICKS
 
 
 def p_value(p: float) -> str:

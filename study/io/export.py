@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from study.cautions import require_bounded
 from study.errors import StudyError
 from study.io.exact import exact_text
 from study.io.joint_trajectory import message_json, message_yaml
@@ -68,7 +69,14 @@ def sample_times(duration: float, rate: float) -> Floats:
     return np.append(inner[inner < duration * (1 - 1e-12)], duration)
 
 
-def write_motion(motion: Motion, problem: Problem, path: Path, rate: float | None = None) -> Path:
+def write_motion(
+    motion: Motion,
+    problem: Problem,
+    path: Path,
+    rate: float | None = None,
+    *,
+    accept_unbounded_acceleration: bool = False,
+) -> Path:
     """Write a motion in the form that the file's name asks for.
 
     Parameters
@@ -82,6 +90,8 @@ def write_motion(motion: Motion, problem: Problem, path: Path, rate: float | Non
         polynomials, which `study.io.exact.read_exact` gives back to the last bit.
     rate : float, Hz, optional
         Of the samples, `usual_rate` by default; the end point is always there.
+    accept_unbounded_acceleration : bool
+        Whether a motion may be written whose speed changes in an instant, which no arm can follow.
 
     Returns
     -------
@@ -90,8 +100,10 @@ def write_motion(motion: Motion, problem: Problem, path: Path, rate: float | Non
     Raises
     ------
     StudyError
-        If the ending is another, the rate is impossible or the file cannot be written.
+        If the ending is another, the rate is impossible, the file cannot be written, or a joint that moves has no
+        acceleration limit and that is not accepted.
     """
+    require_bounded(problem, accept_unbounded_acceleration)
     content = WRITERS[form_of(path)](motion, problem, usual_rate(motion.duration) if rate is None else rate)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

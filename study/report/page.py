@@ -18,6 +18,7 @@ from study.analysis.methods import Kind, MethodSummary, Standing, known_times, n
 from study.analysis.sentences import answer, case_answer
 from study.cases.library import Case
 from study.cases.papers import paper_of
+from study.cautions import ends_said
 from study.errors import StudyError
 from study.io.filenames import file_stem
 from study.judge import RATES, TOLERANCE
@@ -231,6 +232,7 @@ def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mappin
             "report": report,
             "case": case,
             "problem": problem,
+            "ends": ends_said(problem),
             "best": summary.best,
             "rungs": summary.rungs,
             "paper": paper_of(case.paper),

@@ -273,4 +273,10 @@ def write_motions(folder: Path, summary: CaseSummary, files: Mapping[str, str]) 
     for method in summary.whole:
         if method.label in files and method.motion is not None:
             rate = usual_rate(method.motion.duration, RATE, MOST_SAMPLES)
-            write_motion(method.motion, summary.case.problem, folder / files[method.label], rate)
+            write_motion(
+                method.motion,
+                summary.case.problem,
+                folder / files[method.label],
+                rate,
+                accept_unbounded_acceleration=True,
+            )

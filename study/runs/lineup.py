@@ -9,50 +9,12 @@ from study.cases.library import Case
 from study.errors import StudyError, unknown
 from study.planning import Formulation, Freedom, RunSettings, Synchronisation
 from study.registry import planner_named, planner_names, unavailable_planners
+from study.runs.selections import HEADLINE_SEARCHES
 from study.store.results import Cell
 
 OPTIONS = (*Formulation, *Synchronisation)
 AS_IN_PAPER = "as in the paper"
 """Synchronisation of a specification that takes that of the case's own paper; it has no name on the command line."""
-
-HEADLINE_SEARCHES = (
-    "pso",
-    "gold-sa",
-    "golds-pso",
-    "dynamic-adaptive-pso",
-    "smwoa",
-    "tadf-ssa",
-    "chaotic-spso",
-    "random-search",
-)
-"""Searches of the default line-up; every deterministic planner stands beside them."""
-
-OWN_CASE = ("free-path-nlp", "ruckig-via", "casadi-nlp", "toppra", "ruckig-stops", "golds-pso", "random-search")
-"""Planners for a case of one's own: every deterministic kind, one metaheuristic and the floor."""
-
-AUTO = ("ruckig-via", "free-path-nlp", "casadi-nlp", "ruckig-stops")
-"""Planners that `plan` tries by itself, most promising first; the last always has an answer."""
-
-YARDSTICKS = ("random-search", "centre", "lbfgsb-once")
-"""Trivial ways to choose durations, which any search must beat."""
-
-CONTESTANTS = (
-    "pso", "pso-basic", "simple-pso", "gold-sa", "golds-pso", "dynamic-adaptive-pso", "woa", "sma", "smwoa", "ssa",
-    "tadf-ssa", "chaotic-spso", "de", "cma-es", "scipy-de",
-)  # fmt: skip
-"""Searches that are compared at equal budgets."""
-
-SOLVERS = ("casadi-nlp", "direct", "lbfgsb", "ruckig-stops", "toppra")
-"""Planners that are compared with the searches on wall time and duration only."""
-
-SLOW_SOLVERS = ("ruckig-via",)
-"""Solvers of the full comparison only."""
-
-REPEATED = ("ruckig-stops",)
-"""Planners so fast that their wall time is the median of several calls; the first call loads a library."""
-
-TIMED = ("casadi-nlp", "toppra", "ruckig-stops", "ruckig-via", "copp")
-"""Planners whose speed the bench measures."""
 
 QUICK_EVALUATIONS = 2000
 QUICK_SEEDS = 3

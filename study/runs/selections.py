@@ -1,0 +1,46 @@
+"""Selections of planners: the one place where planners are named by taste; everything else they say themselves."""
+
+HEADLINE_SEARCHES = (
+    "pso",
+    "gold-sa",
+    "golds-pso",
+    "dynamic-adaptive-pso",
+    "smwoa",
+    "tadf-ssa",
+    "chaotic-spso",
+    "random-search",
+)
+"""Searches of the default line-up; every deterministic planner stands beside them."""
+
+COMPARED = ("free-path-nlp", "ruckig-via", "casadi-nlp", "toppra", "ruckig-stops", "golds-pso", "random-search")
+"""Planners for a case of one's own: every deterministic kind, one metaheuristic and the floor."""
+
+AUTO = ("ruckig-via", "free-path-nlp", "ruckig-stops")
+"""Planners that `plan` tries by itself; the fastest motion of all is the answer, and the last always has one."""
+
+AUTO_RESERVE = ("casadi-nlp",)
+"""Planners that are tried too where those above bring nothing but a stop at every waypoint."""
+
+AUTO_UNBOUNDED = ("free-path-nlp", "ruckig-stops")
+"""Planners that `plan` tries where only velocities are limited: straight lines at full speed are then the optimum."""
+
+YARDSTICKS = ("random-search", "centre", "lbfgsb-once")
+"""Trivial ways to choose durations, which any search must beat."""
+
+CONTESTANTS = (
+    "pso", "pso-basic", "simple-pso", "gold-sa", "golds-pso", "dynamic-adaptive-pso", "woa", "sma", "smwoa", "ssa",
+    "tadf-ssa", "chaotic-spso", "de", "cma-es", "scipy-de",
+)  # fmt: skip
+"""Searches that are compared at equal budgets."""
+
+SOLVERS = ("casadi-nlp", "direct", "lbfgsb", "ruckig-stops", "toppra")
+"""Planners that are compared with the searches on wall time and duration only."""
+
+SLOW_SOLVERS = ("ruckig-via",)
+"""Solvers of the full comparison only."""
+
+REPEATED = ("ruckig-stops",)
+"""Planners so fast that their wall time is the median of several calls; the first call loads a library."""
+
+TIMED = ("casadi-nlp", "toppra", "ruckig-stops", "ruckig-via", "copp")
+"""Planners whose speed the bench measures."""
