@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import html
 import json
 from itertools import groupby
@@ -17,7 +18,13 @@ from study.registry import planner_named, planner_names
 
 def on_page_markdown(markdown: str, **kwargs: Any) -> str:
     """Replace the marks that stand for generated parts."""
-    for mark, part in {"ledger": _ledger, "planners": _planners, "fields": _fields, "bench": _bench}.items():
+    for mark, part in {
+        "ledger": _ledger,
+        "planners": _planners,
+        "fields": _fields,
+        "bench": _bench,
+        "rooms": _rooms,
+    }.items():
         if f"<!-- {mark} -->" in markdown:
             markdown = markdown.replace(f"<!-- {mark} -->", part())
     return markdown
@@ -45,6 +52,17 @@ def _bench() -> str:
     parts.append(f'## Growth\n\n<div style="{colours}">{picture}</div>')
     machine = "; ".join(f"{name} {text}" for name, text in bench.environment.items())
     return "\n\n".join([*parts, f"Measured on: {machine}."])
+
+
+def _rooms() -> str:
+    """Folders of the two packages and what stands in each, from their docstrings."""
+    root = Path(__file__).parents[1]
+    lines = ["| folder | subject |", "|---|---|"]
+    for package in ("study", "baselines"):
+        for folder in sorted(path.parent for path in (root / package).glob("*/__init__.py")):
+            text = ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))) or ""
+            lines.append(f"| `{package}/{folder.name}/` | {text.partition(chr(10))[0]} |")
+    return "\n".join(lines)
 
 
 def _ledger() -> str:

@@ -1,1 +1,1 @@
-"""How fast the study's parts are, as ratios to peers measured in the same run; one file for each topic."""
+"""Speed of the parts of the study, as ratios to peers measured in the same run; one file for each topic."""

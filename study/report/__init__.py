@@ -1,1 +1,1 @@
-"""What the study leaves behind: tables, figures, page and recordings."""
+"""The report: tables, figures and pages, one for each case."""
