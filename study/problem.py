@@ -40,7 +40,8 @@ class Problem:
     waypoints : array of shape (n_waypoints, n_joints), rad or m
     limits : JointLimits
     end : EndCondition
-        Condition at both ends, where `start` and `finish` say nothing else.
+        Condition at both ends, where `start` and `finish` say nothing else; by default `SMOOTH` where jerk is limited, since
+        the acceleration may not step there, and `REST` elsewhere.
     duration_bounds : tuple of two floats, s, optional
         The box (lower, upper) in which segment-time searches look; the lower bound also holds for
         deterministic segment-time methods. The judge does not use it. Without it, `usual_bounds` of the waypoints and
@@ -72,7 +73,7 @@ class Problem:
     name: str
     waypoints: Floats
     limits: JointLimits
-    end: EndCondition = EndCondition.REST
+    end: EndCondition = OPTIONAL
     duration_bounds: tuple[float, float] = OPTIONAL
     allow_dwell: bool = False
     joint_names: Sequence[str] = ()
@@ -86,6 +87,9 @@ class Problem:
     timing: Timing | None = None
 
     def __post_init__(self) -> None:
+        if self.end is None and isinstance(self.limits, JointLimits):
+            smooth = bool(np.isfinite(self.limits.rates[2]).any())
+            self._set("end", EndCondition.SMOOTH if smooth else EndCondition.REST)
         check_kinds(self, _KINDS, self._where)
         self._take_waypoints()
         self._check_positions()

@@ -7,6 +7,16 @@ from study import EndCondition, JointLimits, Problem, StudyError, Trajectory, ju
 from study.curves import CURVES
 from study.parametric import ParametricTrajectory
 from study.problem import Demand, State, StraightPath, Timing, Tube
+from study.testing.second_judge import Answer, second_judge
+
+
+def judged(problem, motion):
+    """Verdict of the judge, with which the second judge must agree."""
+    verdict = judge(problem, motion)
+    if isinstance(motion, Trajectory):
+        wanted = Answer.FEASIBLE if verdict.feasible else Answer.INFEASIBLE
+        assert second_judge(problem, motion).answer is wanted, verdict.reasons
+    return verdict
 
 
 def legs(points, durations):
@@ -29,7 +39,7 @@ def corner(**demands):
 
 
 def reasons(motion, **demands):
-    return judge(corner(**demands), motion).reasons
+    return judged(corner(**demands), motion).reasons
 
 
 def test_limits_of_one_segment_hold_on_that_segment_only():
@@ -39,11 +49,11 @@ def test_limits_of_one_segment_hold_on_that_segment_only():
     assert not reasons(STOPPING, **first_at(1.5))
     assert reasons(STOPPING, **first_at(1.4))[0].startswith("velocity of joint 1 reaches 1.07143 of its limit at 0.5")
     assert not reasons(legs(CORNER, [2.0, 1.0]), **first_at(0.75))
-    verdict = judge(corner(segment_limits={1: JointLimits([1.0, 1.0], [2.9, np.inf])}), STOPPING)
+    verdict = judged(corner(segment_limits={1: JointLimits([1.0, 1.0], [2.9, np.inf])}), STOPPING)
     assert verdict.ratios[:, 1].tolist() == pytest.approx([1.5, 0.03, 0])
     assert verdict.segments[0, 1] == 1
     assert verdict.times[0, 1] == pytest.approx(2.0)
-    assert judge(corner(segment_limits={1: JointLimits([1.0, 1.0])}), STOPPING.scaled(verdict.stretch)).feasible
+    assert judged(corner(segment_limits={1: JointLimits([1.0, 1.0])}), STOPPING.scaled(verdict.stretch)).feasible
 
 
 def test_a_range_of_positions_of_one_segment():
@@ -54,7 +64,7 @@ def test_a_range_of_positions_of_one_segment():
 
     def on(segment, **box):
         box = {segment: JointLimits([9.0], **box)}
-        return judge(Problem("p", points, limits, EndCondition.FREE, segment_limits=box), swing).reasons
+        return judged(Problem("p", points, limits, EndCondition.FREE, segment_limits=box), swing).reasons
 
     assert not on(1, upper=[2.0], lower=[0.2])
     assert "leaves its range of positions by 0.8" in on(0, upper=[1.0])[0]
@@ -78,10 +88,10 @@ def test_a_moving_start_must_have_the_given_rates():
         start = State([velocity], None if acceleration is None else [acceleration])
         return Problem("p", [[0.0], [1.0]], limits, EndCondition.REST, start=start)
 
-    assert judge(wanted(0.5), moving(0.5, 3.0)).feasible
-    assert judge(wanted(0.5, 3.0), moving(0.5, 3.0)).feasible
-    assert judge(wanted(0.6), moving(0.5)).reasons == ("velocity of joint 1 is 0.5 at the start, not 0.6",)
-    assert judge(wanted(0.5, 2.0), moving(0.5)).reasons == ("acceleration of joint 1 is 0 at the start, not 2",)
+    assert judged(wanted(0.5), moving(0.5, 3.0)).feasible
+    assert judged(wanted(0.5, 3.0), moving(0.5, 3.0)).feasible
+    assert judged(wanted(0.6), moving(0.5)).reasons == ("velocity of joint 1 is 0.5 at the start, not 0.6",)
+    assert judged(wanted(0.5, 2.0), moving(0.5)).reasons == ("acceleration of joint 1 is 0 at the start, not 2",)
     assert not wanted(0.5).scalable
     assert Demand.MOVING_ENDS in wanted(0.5).demands
 
@@ -89,11 +99,11 @@ def test_a_moving_start_must_have_the_given_rates():
 def test_each_end_has_its_own_condition():
     limits = JointLimits([9.0], [50.0], [500.0])
     free = Problem("p", [[0.0], [1.0]], limits, EndCondition.REST, start=EndCondition.FREE)
-    assert judge(free, moving(0.5)).feasible
+    assert judged(free, moving(0.5)).feasible
     assert Demand.DIFFERENT_ENDS in free.demands
     assert free.scalable
     turned = Problem("p", [[0.0], [1.0]], limits, EndCondition.REST, finish=EndCondition.FREE)
-    assert judge(turned, moving(0.5)).reasons == ("velocity of joint 1 is 0.5 at the start, not zero",)
+    assert judged(turned, moving(0.5)).reasons == ("velocity of joint 1 is 0.5 at the start, not zero",)
     plain = Problem("p", [[0.0], [1.0]], limits, EndCondition.FREE, start=State([0.0]), finish=EndCondition.REST)
     assert plain.end is EndCondition.REST
     assert not {Demand.DIFFERENT_ENDS, Demand.MOVING_ENDS} & plain.demands
@@ -110,8 +120,8 @@ def test_a_stop_has_zero_velocity():
         legs(line.waypoints, [1.0, 1.0]),
         Trajectory.from_pieces(np.ones(2), np.ones((2, 2, 1)) * [[[0], [1]], [[1], [1]]]),
     )
-    assert judge(line, stopping).feasible
-    assert judge(line, passing).reasons == ("does not stop at waypoint 2: joint 1 moves at 1",)
+    assert judged(line, stopping).feasible
+    assert judged(line, passing).reasons == ("does not stop at waypoint 2: joint 1 moves at 1",)
 
 
 def resting(time):
@@ -123,10 +133,10 @@ def resting(time):
 def test_a_dwell_stands_still_from_the_arrival_on():
     points, limits = [[0.0], [1.0], [2.0]], JointLimits([9.0], [99.0])
     wanted = Problem("p", points, limits, dwells={1: 0.4})
-    assert judge(wanted, resting(0.4)).feasible
-    assert judge(wanted, resting(0.4).scaled(1.1)).feasible
-    assert judge(wanted, resting(0.399)).reasons == ("does not stand still for 0.4 s at waypoint 2",)
-    assert judge(wanted, legs(points, [1.0, 1.0])).reasons == ("does not stand still for 0.4 s at waypoint 2",)
+    assert judged(wanted, resting(0.4)).feasible
+    assert judged(wanted, resting(0.4).scaled(1.1)).feasible
+    assert judged(wanted, resting(0.399)).reasons == ("does not stand still for 0.4 s at waypoint 2",)
+    assert judged(wanted, legs(points, [1.0, 1.0])).reasons == ("does not stand still for 0.4 s at waypoint 2",)
     assert {Demand.DWELLS} == wanted.demands & {Demand.DWELLS, Demand.STOPS}
 
 
@@ -137,7 +147,7 @@ def test_a_dwell_stands_still_from_the_arrival_on():
 )  # fmt: skip
 def test_a_waypoint_may_be_passed_within_its_tolerance(tolerance, passes):
     near = legs([[0.0, 0.0], [0.9, 0.0], [1.0, 2.0]], [1.0, 2.0])
-    assert judge(corner(tolerance=tolerance), near).feasible is passes
+    assert judged(corner(tolerance=tolerance), near).feasible is passes
     assert Demand.TOLERANCE in corner(tolerance=tolerance).demands
 
 
@@ -146,11 +156,11 @@ def test_a_tube_holds_the_path_between_the_waypoints():
         np.array([1.0, 2.0]),
         np.array([[[0.0, 0], [1, 0.4], [0, -0.4]], [[1.0, 0], [0.0, 1.0], [0, 0]]]),
     )
-    assert not judge(corner(end=EndCondition.FREE, path=Tube(0.1)), bow).reasons[1:]  # the step of velocity alone
+    assert not judged(corner(end=EndCondition.FREE, path=Tube(0.1)), bow).reasons[1:]  # the step of velocity alone
     free = Problem("corner", CORNER, JointLimits([10.0, 10.0]), path=Tube(0.1))
-    assert judge(free, bow).feasible
+    assert judged(free, bow).feasible
     tight = Problem("corner", CORNER, JointLimits([10.0, 10.0]), path=Tube([1.0, 0.099]))
-    assert judge(tight, bow).reasons == ("leaves the tube between waypoints 1 and 2: 1.0101 of its radius",)
+    assert judged(tight, bow).reasons == ("leaves the tube between waypoints 1 and 2: 1.0101 of its radius",)
 
 
 def diagonal(bow):
@@ -162,7 +172,9 @@ def diagonal(bow):
 
 def test_a_tube_around_a_diagonal_is_measured_in_every_pair_of_joints():
     def inside(radius):
-        return judge(Problem("p", [[0, 0], [1, 1]], JointLimits([9.0, 9.0]), path=Tube(radius)), diagonal(0.2)).feasible
+        return judged(
+            Problem("p", [[0, 0], [1, 1]], JointLimits([9.0, 9.0]), path=Tube(radius)), diagonal(0.2)
+        ).feasible
 
     assert inside(0.1)  # the middle of the line's nearest stretch is off by half the bow in each joint
     assert not inside(0.0999)
@@ -184,11 +196,11 @@ def test_a_straight_path_may_be_left_near_corners_only():
     def straight(radius):
         return Problem("corner", CORNER, limits, EndCondition.FREE, path=StraightPath(radius))
 
-    assert judge(straight(0.0), STOPPING).feasible
-    assert judge(straight(0.25), blended(0.25)).feasible
-    early = judge(straight(0.2), blended(0.25)).reasons
+    assert judged(straight(0.0), STOPPING).feasible
+    assert judged(straight(0.25), blended(0.25)).feasible
+    early = judged(straight(0.2), blended(0.25)).reasons
     assert early[0].startswith("leaves the straight line from waypoint 1 to 2")
-    assert judge(straight(0.0), blended(0.25)).reasons[0].startswith("misses a waypoint")
+    assert judged(straight(0.0), blended(0.25)).reasons[0].startswith("misses a waypoint")
 
 
 def test_a_straight_path_of_a_curve_in_u_is_measured_too():
@@ -197,9 +209,9 @@ def test_a_straight_path_of_a_curve_in_u_is_measured_too():
     time = np.array([[0.0, 0.5, 0.5, 0.0], [1.0, 1.5, 0.0, 0.5]])
     motion = ParametricTrajectory(time, still)
     straight = Problem("corner", CORNER, JointLimits([10.0, 10.0]), path=StraightPath())
-    assert judge(straight, motion).feasible
+    assert judged(straight, motion).feasible
     still[0, 2:, 1] = [0.01, -0.01]
-    assert "leaves the straight line" in judge(straight, ParametricTrajectory(time, still)).reasons[0]
+    assert "leaves the straight line" in judged(straight, ParametricTrajectory(time, still)).reasons[0]
 
 
 @pytest.mark.parametrize(
@@ -209,9 +221,9 @@ def test_a_straight_path_of_a_curve_in_u_is_measured_too():
 )  # fmt: skip
 def test_a_duration_may_be_demanded(timing, passes):
     wanted = corner(timing=Timing(**timing))
-    assert judge(wanted, STOPPING).feasible is passes
+    assert judged(wanted, STOPPING).feasible is passes
     slower = STOPPING.scaled(wanted.timing.stretch(STOPPING.duration))
-    assert judge(wanted, slower).feasible
+    assert judged(wanted, slower).feasible
     assert Demand.DURATION in wanted.demands or Demand.CYCLE in wanted.demands
 
 

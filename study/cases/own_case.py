@@ -89,7 +89,7 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
         name=file.name or path.stem,
         waypoints=table if rows and rows.si else table * factors,
         limits=_limits(file.limits, [read.get(name, OneJoint()) for name in names], factors, where),
-        end=_end(file, read),
+        end=EndCondition[file.end.upper()] if file.end else OPTIONAL,
         duration_bounds=_duration_bounds(file) or OPTIONAL,
         joint_names=names,
         segment_limits=_segment_limits(file, factors, len(table), where),
@@ -238,13 +238,6 @@ def _laid_over(given: Any, name: str, read: Sequence[OneJoint], factors: Floats,
     said = [getattr(joint, name, None) for joint in read]
     chosen = zip(values, said, factors, strict=True)
     return np.array([own * k if own is not None else nothing if old is None else old for own, old, k in chosen])
-
-
-def _end(file: OwnCase, read: Mapping[str, OneJoint]) -> EndCondition:
-    if file.end is not None:
-        return EndCondition[file.end.upper()]
-    jerky = file.limits.jerk is not None or any(joint.jerk is not None for joint in read.values())
-    return EndCondition.SMOOTH if jerky else EndCondition.REST
 
 
 def _robot(name: str | None, path: Path, problem: Problem) -> str | None:

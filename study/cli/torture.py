@@ -15,8 +15,10 @@ from study.cli.shared import make_console
 from study.errors import Interrupted, StudyError
 from study.registry import planner_named
 from study.runs.runner import default_jobs
+from study.testing.attacks import ATTACKS
 from study.testing.stress import CRASH, OUTCOMES, WRONG, Outcome, reference_planners
 from study.testing.stress import torture as run_torture
+from study.testing.two_judges import AGREEMENTS, compare_judges
 
 MUST_NOT = (WRONG, CRASH)
 
@@ -29,8 +31,13 @@ def torture(
     ] = None,
     time_limit: Annotated[float, typer.Option(help="Seconds for each planner on each problem.", min=0.1)] = 5.0,
     jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
+    judges: Annotated[
+        int, typer.Option(help="Instead, put so many random and adversarial motions to two independent judges.", min=0)
+    ] = 0,
 ) -> None:
     """Put random problems (1-8 joints, 2-25 waypoints, limits over three decades) to planners; ends with 3 if one crashes."""
+    if judges:
+        return _compare(judges, seed, default_jobs() if jobs is None else jobs)
     names = [
         name.strip() for text in planners or [] for name in text.split(",") if name.strip()
     ] or reference_planners()
@@ -57,6 +64,26 @@ def torture(
     if done < problems:
         raise Interrupted(f"interrupted after {done} of {problems} problems; the table counts what was done")
     if any(count[kind] for count in counts.values() for kind in MUST_NOT):
+        raise typer.Exit(3)
+
+
+def _compare(motions: int, seed: int, jobs: int) -> None:
+    """Print how the judge and the second judge agree; ends with 3 if they differ."""
+    console = make_console()
+    with terminal.progress(console) as progress:
+        task = progress.add_task("judging twice", total=motions)
+        agreement = compare_judges(motions, seed, jobs, lambda done: progress.advance(task, done))
+    table = Table(title=f"{motions:,} motions, seed {seed}, judged twice", title_justify="left", header_style="bold")
+    table.add_column("attack")
+    for outcome in AGREEMENTS:
+        table.add_column(outcome, justify="right")
+    for attack in ATTACKS:
+        table.add_row(attack, *(f"{agreement.counts[attack, outcome]:,}" for outcome in AGREEMENTS))
+    table.add_row("all", *(f"{agreement.total(outcome):,}" for outcome in AGREEMENTS), style="bold")
+    console.print(table)
+    for sentence in agreement.different:
+        console.print(sentence, markup=False)
+    if agreement.different:
         raise typer.Exit(3)
 
 
