@@ -53,6 +53,20 @@ def positive(value: object, what: str) -> float:
     return float(number)
 
 
+def index_in(index: object, allowed: range, what: str) -> int:
+    """Read a place in a row, counted from 0.
+
+    Raises
+    ------
+    StudyError
+        If it is no integer among the allowed ones.
+    """
+    if isinstance(index, bool) or not isinstance(index, int | np.integer) or index not in allowed:
+        places = f"from {allowed[0]} to {allowed[-1]}" if allowed else "none"
+        raise StudyError(f"{what} {index!r} is none of the places allowed, which are {places}")
+    return int(index)
+
+
 def check_kinds(part: object, kinds: Mapping[str, tuple[type, ...]], where: str) -> None:
     """Refuse a field that holds another kind of object than it may.
 

@@ -183,7 +183,7 @@ def _rates(measured: Measured) -> Iterator[Finding]:
 
 def _waypoints(measured: Measured) -> Iterator[Finding]:
     problem = measured.problem
-    allowed = problem.tolerance.copy()
+    allowed = problem.tolerances.copy()
     if isinstance(problem.path, StraightPath):
         allowed[1:-1] = np.maximum(allowed[1:-1], problem.path.of(problem.n_joints))
     relative = np.maximum(measured.errors - allowed, 0.0) / measured.scales[0]

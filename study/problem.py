@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from study.arrays import Floats, check_kinds, frozen_array, positive
+from study.arrays import Floats, check_kinds, frozen_array, index_in, positive
 from study.demands import Demand
 from study.errors import StudyError
 from study.limits import OPTIONAL, JointLimits, usual_bounds
-from study.rules import EndCondition, PathRule, State, StraightPath, Timing, Tube, radii
+from study.rules import EndCondition, PathRule, State, StraightPath, Timing, Tube, alone, radii
 from study.tolerances import TOLERANCE, floors
 
 __all__ = [
@@ -82,7 +82,7 @@ class Problem:
     stops: Sequence[int] = ()
     dwells: Mapping[int, float] = OPTIONAL
     segment_limits: Mapping[int, JointLimits] = OPTIONAL
-    tolerance: Floats = OPTIONAL
+    tolerance: Floats | None = None
     path: PathRule | None = None
     timing: Timing | None = None
 
@@ -163,33 +163,14 @@ class Problem:
             self._set("finish", None)
 
     def _take_passages(self) -> None:
-        inner, segments = range(1, self.n_waypoints - 1), range(self.n_segments)
-        self._set("stops", tuple(sorted({self._index(k, inner, "stop", "inner waypoints") for k in self.stops})))
-        self._set(
-            "dwells",
-            {
-                self._index(k, inner, "dwell", "inner waypoints"): positive(
-                    time, f"{self._where}: dwell at waypoint {k}"
-                )
-                for k, time in (self.dwells or {}).items()
-            },
-        )
-        self._set(
-            "segment_limits",
-            {
-                self._index(k, segments, "segment limit", "segments"): self._limits_of_segment(k, limits)
-                for k, limits in (self.segment_limits or {}).items()
-            },
-        )
-        tolerance = 0.0 if self.tolerance is None else self.tolerance
-        self._set("tolerance", radii(tolerance, self.n_waypoints, self.n_joints, self._where))
-
-    def _index(self, index: int, allowed: range, what: str, of: str) -> int:
-        if isinstance(index, bool) or not isinstance(index, int | np.integer) or index not in allowed:
-            raise StudyError(
-                f"{self._where}: {what} {index!r} is none of the {of}, which are {list(allowed) or 'none'}"
-            )
-        return int(index)
+        where, inner, segments = self._where, range(1, self.n_waypoints - 1), range(self.n_segments)
+        self._set("stops", tuple(sorted({index_in(k, inner, f"{where}: stop") for k in self.stops})))
+        times = {k: positive(time, f"{where}: dwell at waypoint {k}") for k, time in (self.dwells or {}).items()}
+        self._set("dwells", {index_in(k, inner, f"{where}: dwell"): time for k, time in times.items()})
+        given = {index_in(k, segments, f"{where}: segment limit"): v for k, v in (self.segment_limits or {}).items()}
+        self._set("segment_limits", {k: self._limits_of_segment(k, limits) for k, limits in given.items()})
+        if self.tolerance is not None:
+            self._set("tolerance", radii(self.tolerance, self.n_waypoints, self.n_joints, self._where))
 
     def _limits_of_segment(self, segment: int, limits: JointLimits) -> JointLimits:
         if not isinstance(limits, JointLimits) or limits.n_joints != self.n_joints:
@@ -227,6 +208,11 @@ class Problem:
         return np.maximum(TOLERANCE * np.ptp(self.waypoints, axis=0), floors(self.waypoints))
 
     @property
+    def tolerances(self) -> Floats:
+        """Granted distance from every waypoint, shape (n_waypoints, n_joints), rad or m."""
+        return np.zeros_like(self.waypoints) if self.tolerance is None else self.tolerance
+
+    @property
     def end_states(self) -> tuple[State, State]:
         """Rates demanded at the first and at the last instant."""
         given = [self.end if state is None else state for state in (self.start, self.finish)]
@@ -257,10 +243,10 @@ class Problem:
             limits=self.limits.joint(index),
             joint_names=(self.joint_names[index],),
             allow_dwell=True,
-            start=_alone(self.start, index),
-            finish=_alone(self.finish, index),
+            start=alone(self.start, index),
+            finish=alone(self.finish, index),
             segment_limits={k: limits.joint(index) for k, limits in self.segment_limits.items()},
-            tolerance=self.tolerance[:, index : index + 1],
+            tolerance=self.tolerances[:, index : index + 1],
             path=None if self.path is None else self.path.joint(index),
         )
 
@@ -285,10 +271,6 @@ _KINDS: dict[str, tuple[type, ...]] = {
 }
 
 
-def _alone(state: State | EndCondition | None, index: int) -> State | EndCondition | None:
-    return state.joint(index) if isinstance(state, State) else state
-
-
 def _asked(problem: Problem) -> list[tuple[Demand, bool]]:
     robot, timing = problem.limits, problem.timing or Timing()
     finite = [bool(np.isfinite(rates).any()) for rates in robot.rates]
@@ -301,7 +283,7 @@ def _asked(problem: Problem) -> list[tuple[Demand, bool]]:
         (Demand.DIFFERENT_ENDS, problem.scalable and (problem.start is not None or problem.finish is not None)),
         (Demand.STOPS, bool(problem.stops)),
         (Demand.DWELLS, bool(problem.dwells)),
-        (Demand.TOLERANCE, bool(problem.tolerance.any())),
+        (Demand.TOLERANCE, bool(problem.tolerances.any())),
         (Demand.STRAIGHT_PATH, isinstance(problem.path, StraightPath)),
         (Demand.TUBE, isinstance(problem.path, Tube)),
         (Demand.DURATION, timing.exactly is not None or timing.at_least is not None),

@@ -91,6 +91,11 @@ class State:
         return State(*(None if rate is None else rate[index : index + 1] for rate in self.rates))
 
 
+def alone(state: State | EndCondition | None, joint: int) -> State | EndCondition | None:
+    """What is demanded of one joint alone at an end."""
+    return state.joint(joint) if isinstance(state, State) else state
+
+
 @dataclass(frozen=True, eq=False)
 class _Radius:
     """One positive radius for all joints, or one for each."""

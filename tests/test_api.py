@@ -144,7 +144,9 @@ def test_a_planner_can_be_named_and_its_failure_has_a_reason():
 
 def test_compare_ranks_feasible_motions_first():
     comparison = compare(
-        Problem("mine", FOUR, JointLimits(V, A, J)), ["toppra", "ruckig-stops", "golds-pso", "casadi-nlp"], seeds=2
+        Problem("mine", FOUR, JointLimits(V, A, J), EndCondition.REST),
+        ["toppra", "ruckig-stops", "golds-pso", "casadi-nlp"],
+        seeds=2,
     )
     assert [result.cell.planner for result in comparison.results][-1] == "toppra"
     assert comparison.best.cell.planner == "casadi-nlp"

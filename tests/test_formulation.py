@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from study import JointLimits, Problem, StudyError, judge
+from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.curves import CURVES
 from study.formulation import Penalty, Scaled, objective_of, stretch
 from study.planners.segment_times import SegmentTimePlanner
@@ -22,7 +22,7 @@ BINDING = {
 
 def problem(kind="velocity", n_waypoints=4):
     points = np.random.default_rng(0).normal(size=(n_waypoints, 2))
-    return Problem("p", points, JointLimits(**BINDING[kind]), duration_bounds=(0.05, 20.0))
+    return Problem("p", points, JointLimits(**BINDING[kind]), EndCondition.REST, (0.05, 20.0))
 
 
 @pytest.mark.parametrize("kind", BINDING)

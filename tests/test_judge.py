@@ -24,7 +24,7 @@ def cubic(duration=1.0):
 
 def problem(velocity=10.0, acceleration=np.inf, jerk=np.inf, **rest):
     limits = JointLimits([velocity], [acceleration], [jerk], rest.pop("lower", [-9.0]), rest.pop("upper", [9.0]))
-    return Problem("p", [[0.0], [1.0]], limits, **rest)
+    return Problem("p", [[0.0], [1.0]], limits, **{"end": EndCondition.REST} | rest)
 
 
 @pytest.mark.parametrize(("kind", "peak", "order"), [("velocity", 1.5, 1), ("acceleration", 6.0, 2), ("jerk", 12.0, 3)])

@@ -1,5 +1,7 @@
 """The door: what a problem accepts and the sentence with which it refuses."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -108,11 +110,11 @@ def test_scaled_limits():
         ({"start": "rest"}, "start must be a State or EndCondition"),
         ({"start": State([1.0])}, "end velocity must have one number for each of 2 joints, got 1"),
         ({"finish": State([1.5, 0.0])}, "end velocity of joint 1, 1.5, is beyond its limit"),
-        ({"stops": [2]}, r"stop 2 is none of the inner waypoints, which are \[1\]"),
+        ({"stops": [2]}, "stop 2 is none of the places allowed, which are from 1 to 1"),
         ({"stops": [True]}, "stop True is none"),
         ({"dwells": [1]}, "dwells must be a Mapping"),
         ({"dwells": {1: -1.0}}, "dwell at waypoint 1 must be a positive number, got -1.0"),
-        ({"segment_limits": {2: None}}, "segment limit 2 is none of the segments"),
+        ({"segment_limits": {2: None}}, "segment limit 2 is none of the places allowed, which are from 0 to 1"),
         ({"segment_limits": {0: None}}, "limits of segment 0 must be JointLimits of 2 joints"),
         ({"segment_limits": {0: JointLimits([1, 1], upper=[0.5, 9])}}, "segment 0 ends outside its own range"),
         ({"tolerance": [0.1]}, "tolerance must be one number, one for each of 3 waypoints, or a table"),
@@ -183,3 +185,16 @@ def test_a_problem_of_one_joint_keeps_the_demands_on_it():
     assert alone.tolerance.tolist() == [[0], [0.1], [0]]
     assert alone.segment_limits[1].velocity.tolist() == [0.6]
     assert alone.demands == whole.demands
+
+
+def test_a_jerk_limit_asks_for_smooth_ends_unless_told_otherwise():
+    jerky = limits(jerk=[8.0, np.inf])
+    assert Problem("p", POINTS, jerky).end is EndCondition.SMOOTH
+    assert Problem("p", POINTS, jerky, EndCondition.REST).end is EndCondition.REST
+    assert Problem("p", POINTS, limits()).end is EndCondition.REST
+
+
+def test_another_number_of_waypoints_keeps_the_other_demands():
+    longer = replace(Problem("p", POINTS, limits(), path=Tube(0.1)), waypoints=[*POINTS, [0.0, 0.0]])
+    assert longer.tolerances.shape == (4, 2)
+    assert longer.path.of(2).tolist() == [0.1, 0.1]

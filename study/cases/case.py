@@ -74,6 +74,8 @@ class Case:
         Lower and upper corners of boxes in the robot's base frame.
     arm_radius : float, m
         Of the capsules that stand for the links where obstacles are looked for.
+    self_collision : bool
+        Whether the arm is looked at for touching itself.
     limits_label : str
         Which limits the problem has, in a word or two, such as `published` or `jerk-matched`.
     variant_of : str
@@ -97,6 +99,7 @@ class Case:
     sources: Mapping[str, str] = field(default_factory=dict)
     obstacles: Floats = field(default_factory=lambda: np.empty((0, 2, 3)))
     arm_radius: float = 0.05
+    self_collision: bool = False
     limits_label: str = "given"
     variant_of: str = ""
 

@@ -98,6 +98,7 @@ def own_case(content: Mapping[str, Any], path: Path) -> Case:
         sources=parts.sources,
         obstacles=parts.obstacles,
         arm_radius=parts.arm_radius,
+        self_collision=parts.self_collision,
     )
 
 

@@ -43,6 +43,7 @@ class OwnParts:
         Name of one of the study's arms, or the path of a file.
     obstacles : array of shape (n, 2, 3), m
     arm_radius : float, m
+    self_collision : bool
     notes : tuple of str
     sources : mapping of str to str
         Field: the file its numbers come from.
@@ -55,6 +56,7 @@ class OwnParts:
     robot: str | None
     obstacles: Floats
     arm_radius: float
+    self_collision: bool
     notes: tuple[str, ...]
     sources: Mapping[str, str]
 
@@ -97,7 +99,7 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
     )
     problem = problem if file.speed is None else problem.at_speed(file.speed)
     robot = _robot(file.robot, path, problem)
-    if file.obstacles and robot is None:
+    if (file.obstacles or file.self_collision) and robot is None:
         raise StudyError(f"{where}: obstacles need a robot to know where the arm is; name one under 'robot'")
     return OwnParts(
         problem=problem,
@@ -107,6 +109,7 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
         robot=robot,
         obstacles=np.array([[box.lower, box.upper] for box in file.obstacles], dtype=float).reshape(-1, 2, 3),
         arm_radius=file.arm_radius,
+        self_collision=file.self_collision,
         notes=tuple(file.notes),
         sources={
             "waypoints": str(file.waypoints) if rows else path.name,

@@ -164,6 +164,7 @@ class OwnCase(Strict):
     )
     obstacles: list[Obstacle] = Field(default_factory=list)
     arm_radius: Annotated[float, Field(ge=0)] = Field(0.05, description="Of the capsules that stand for the links, m.")
+    self_collision: bool = Field(False, description="Whether the links must not touch each other; needs a robot.")
     duration_bounds: OwnBounds | None = None
     curve: Literal[tuple(CURVES)] | None = Field(  # type: ignore[valid-type]
         None, description="Curve family of the planners that choose segment durations."

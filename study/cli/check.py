@@ -11,7 +11,7 @@ from rich.console import Console
 
 from study.api import automatic
 from study.cases.library import Case, load_case
-from study.cases.obstacles import nearest
+from study.cases.obstacles import may_be_driven, nearest
 from study.cautions import cautions, ends_said
 from study.cli import terminal
 from study.cli.inputs import FORMS, LimitFiles, is_bare, load_any
@@ -91,8 +91,8 @@ def report_verdict(case: Case, motion: Motion, method: str, console: Console) ->
         console.print(f"infeasible: {reason}", soft_wrap=True)
     found = nearest(case, motion)
     if found is not None:
-        console.print(f"{'infeasible: ' if found.distance < 0 else ''}{found.sentence}", soft_wrap=True)
-    return verdict.feasible and (found is None or found.distance >= 0)
+        console.print(f"{'' if found.clear else 'infeasible: '}{found.sentence}", soft_wrap=True)
+    return may_be_driven(verdict, found)
 
 
 def _explain(case: Case, console: Console) -> None:

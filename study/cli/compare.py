@@ -15,7 +15,7 @@ from rich.progress import TaskID
 from study.analysis.case_summary import summarise
 from study.api import COMPARED
 from study.cases.library import Case, case_names, load_case
-from study.cases.obstacles import nearest
+from study.cases.obstacles import may_be_driven, nearest
 from study.cases.own_case import bare_content
 from study.cli.inputs import LimitFiles, is_bare, load_any
 from study.cli.own import FORMS, Accept, Rate, Units, no_motion, trajectory_file, warn
@@ -163,7 +163,7 @@ def _best(case: Case, results: Sequence[Result], console: Console) -> Result | N
         if result.verdict is None or not result.verdict.feasible or result.motion is None:
             continue
         found = nearest(case, result.motion)
-        if found is None or found.distance >= 0:
+        if may_be_driven(result.verdict, found):
             return result
         console.print(f"{result.cell.label}: {found.sentence}", soft_wrap=True)
     return None

@@ -104,6 +104,27 @@ def arm_clearance(world: World, links: Floats, radius: float) -> Floats:
     return world.clearance(start, stop).reshape(n_times, n_points - 1).min(axis=1) - radius
 
 
+def segment_distances(first: Floats, second: Floats, third: Floats, fourth: Floats) -> Floats:
+    """Smallest distance between segments from first to second and from third to fourth, shape (n,).
+
+    The nearest points are inside both segments, or one of them is an end.
+
+    Parameters
+    ----------
+    first, second, third, fourth : arrays of shape (n, 3)
+    """
+    u, v, w = second - first, fourth - third, first - third
+    a, b, c = ((x * y).sum(axis=1) for x, y in ((u, u), (u, v), (v, v)))
+    d, e = (u * w).sum(axis=1), (v * w).sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inside = np.clip(np.nan_to_num((b * e - c * d) / (a * c - b * b)), 0.0, 1.0)
+        starts = [inside, np.clip(np.nan_to_num(-d / a), 0.0, 1.0), np.clip(np.nan_to_num((b - d) / a), 0.0, 1.0)]
+        places = [(s, np.clip(np.nan_to_num((b * s + e) / c), 0.0, 1.0)) for s in (*starts[:1], 0.0 * d, 0.0 * d + 1.0)]
+    places += [(starts[1], 0.0 * d), (starts[2], 0.0 * d + 1.0)]
+    gaps = [np.linalg.norm(w + s[:, None] * u - t[:, None] * v, axis=1) for s, t in places]
+    return np.min(gaps, axis=0)
+
+
 def random_world(rng: np.random.Generator, n_obstacles: int = 10, side: float = 1000.0) -> World:
     """Random boxes of varying size in a cube; two opposite corners are free, the diagonal between them is not.
 

@@ -189,7 +189,7 @@ def _swap(rng: np.random.Generator, problem: Problem, motion: Trajectory) -> Pai
     i, j = rng.integers(problem.n_waypoints, size=2)
     order = np.arange(problem.n_waypoints)
     order[[i, j]] = order[[j, i]]
-    swapped = replace(problem, waypoints=problem.waypoints[order], tolerance=problem.tolerance[order])
+    swapped = replace(problem, waypoints=problem.waypoints[order], tolerance=problem.tolerances[order])
     return swapped, replace(motion, waypoint_times=motion.waypoint_times[order])
 
 

@@ -50,9 +50,9 @@ def example_problems() -> tuple[Problem, ...]:
         "jerk binds": JointLimits(loose, loose, tight),
         "no jerk limit": JointLimits(tight, 2 * tight),
     }
-    problems = [Problem(name, four, limit) for name, limit in limits.items()]
+    problems = [Problem(name, four, limit, EndCondition.REST) for name, limit in limits.items()]
     moving = JointLimits(np.ones(3), 2 * np.ones(3), 20 * np.ones(3))
-    problems.append(Problem("a joint that does not move", still, moving))
+    problems.append(Problem("a joint that does not move", still, moving, EndCondition.REST))
     problems.append(Problem("two waypoints", four[:2], limits["no jerk limit"]))
     return tuple(problems)
 

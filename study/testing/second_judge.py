@@ -103,7 +103,7 @@ def _inside(position: Long, limits: JointLimits, scale: NDArray[np.float64]) -> 
 def _point_excesses(problem: Problem, curve: Curve) -> Iterator[np.longdouble]:
     """Excesses at single instants: waypoints, steps at knots, ends and stops, and of the duration."""
     span = problem.position_tolerance / TOLERANCE
-    allowed = problem.tolerance.copy()
+    allowed = problem.tolerances.copy()
     if isinstance(problem.path, StraightPath):
         allowed[1:-1] = np.maximum(allowed[1:-1], problem.path.of(problem.n_joints))
     for waypoint, time in enumerate(curve.passed):

@@ -98,7 +98,7 @@ def test_durations_cycles_and_speed(load):
 
 
 WRONG = {
-    "stops: [1]": "stop 0 is none of the inner waypoints",
+    "stops: [1]": "stop 0 is none of the places allowed",
     "stops: 2": "field 'stops'",
     "dwells: {2: -1}": "field 'dwells",
     "segments: [{from: 3, to: 3, velocity: 1}]": "must run from a waypoint to a later one of the 4, got 3 to 3",

@@ -15,13 +15,14 @@ from study.formulation import Scaled
 from study.judge import judge
 from study.planners import other_searches, smwoa, sparrow
 from study.planning import Meter, RunSettings, Status
-from study.problem import JointLimits, Problem
+from study.problem import EndCondition, JointLimits, Problem
 from study.search.state import Box
 
 PROBLEM = Problem(
     "three joints",
     np.array([[0.0, 0.2, 0.0], [0.7, -0.3, 0.1], [0.9, 0.4, 0.6], [0.1, 0.8, 0.2], [0.5, 0.5, -0.4]]),
     JointLimits(np.full(3, 1.7), np.full(3, 0.8), np.full(3, 1.1)),
+    EndCondition.REST,
     duration_bounds=(0.1, 6.0),
 )
 PLANNERS = {

@@ -83,13 +83,13 @@ def test_permuted_joints_and_shifted_positions_change_nothing():
     problem = small(EACH_LIMIT["all"])
     order = [2, 0, 1]
     limits = JointLimits(*(rate[order] for rate in problem.limits.rates))
-    other = Problem("other", problem.waypoints[:, order] + 5.0, limits)
+    other = Problem("other", problem.waypoints[:, order] + 5.0, limits, problem.end)
     assert free_path(other, 4).motion.duration == pytest.approx(free_path(problem, 4).motion.duration, rel=1e-5)
 
 
 def test_scaled_limits_scale_the_time():
     problem = small(EACH_LIMIT["all"])
-    slower = Problem("slower", problem.waypoints, problem.limits.scaled(100.0))
+    slower = Problem("slower", problem.waypoints, problem.limits.scaled(100.0), problem.end)
     assert free_path(slower, 4).motion.duration == pytest.approx(100 * free_path(problem, 4).motion.duration, rel=1e-6)
 
 

@@ -101,7 +101,7 @@ def test_scaled_limits_scale_the_time_and_permuted_joints_change_nothing():
     problem = small(EACH_LIMIT["all"])
     order = [2, 0, 1]
     limits = JointLimits(*(rate[order] for rate in problem.limits.rates)).scaled(100.0)
-    other = Problem("other", problem.waypoints[:, order] + 5.0, limits)
+    other = Problem("other", problem.waypoints[:, order] + 5.0, limits, problem.end)
     assert planned(other).duration == pytest.approx(100 * planned(problem).duration, rel=1e-4)
 
 

@@ -57,7 +57,7 @@ def test_more_pieces_never_lengthen_and_toppra_is_faster_than_any_jerk_limit():
 def test_scaled_limits_scale_the_duration():
     base = topp3().motion.duration
     case = problem()
-    slow = Problem("slow", POINTS, case.limits.scaled(2.0))
+    slow = Problem("slow", POINTS, case.limits.scaled(2.0), case.end)
     assert Topp3Nlp().plan(slow, SETTINGS).motion.duration == pytest.approx(2 * base, rel=1e-4)
 
 
