@@ -163,7 +163,7 @@ def _best(case: Case, results: Sequence[Result], console: Console) -> Result | N
         if result.verdict is None or not result.verdict.feasible or result.motion is None:
             continue
         found = nearest(case, result.motion)
-        if may_be_driven(result.verdict, found):
+        if found is None or may_be_driven(result.verdict, found):
             return result
         console.print(f"{result.cell.label}: {found.sentence}", soft_wrap=True)
     return None
