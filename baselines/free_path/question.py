@@ -99,7 +99,7 @@ def of(problem: Problem) -> FreePathProblem:
         end=_state(problem, 1),
         stops=np.isin(points, list(problem.stops)),
         dwells=np.array([problem.dwells.get(int(k), 0.0) for k in points]),
-        tolerance=problem.tolerance,
+        tolerance=problem.tolerances,
     )
 
 
