@@ -57,7 +57,7 @@ def halves(limits, at_the_stop):
 @KINDS
 def test_a_stop_splits_the_problem_in_two(limits):
     """Acceleration need not vanish at a stop, but must not jump there where jerk is limited."""
-    whole = planned(limits, stops=[3])
+    whole = planned(limits, end=EndCondition.REST, stops=[3])
     held = np.flatnonzero(np.isfinite(limits.acceleration))
     assert np.abs(whole(whole.waypoint_times[3:4], 1)[0, held]).max() < 1e-9
     loose, tight = halves(limits, EndCondition.REST), halves(limits, EndCondition.SMOOTH)
