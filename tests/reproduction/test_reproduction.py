@@ -269,8 +269,9 @@ def test_mistakes_on_the_command_line(arguments, said, tmp_path):
 def test_the_command_leaves_pages_and_cells(tmp_path, monkeypatch):
     monkeypatch.setattr(command, "QUICK", TINY)
     console = Console(record=True, width=160)
+    monkeypatch.setattr(command, "make_console", lambda: console)
     monkeypatch.setattr(page, "_drawn", lambda *arguments: ())
-    command.reproduce_command("aubo", False, True, tmp_path, 1, False, console)
+    command.reproduce_command("aubo", quick=True, out=tmp_path, jobs=1)
     folder = tmp_path / "report" / "reproduction"
     assert {path.name for path in folder.iterdir()} >= {"index.html", "verdicts.csv", f"{paper_named('aubo')}.html"}
     assert "reproduced" in console.export_text()
