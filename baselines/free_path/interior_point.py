@@ -44,6 +44,8 @@ PATIENCE = 1e-3
 SMALL = 1e-2
 """Infeasibility per segment and joint below which the barrier function must fall."""
 
+RECENT = 10
+
 NEGLIGIBLE = 1e-8
 """Regularisation that is forgotten in the next iteration."""
 
@@ -55,6 +57,7 @@ class Ending(Enum):
 
     CONVERGED = "converged"
     ITERATIONS = "the iterations ran out"
+    LEVEL = "the duration no longer changed"
     STUCK = "no step made progress"
     LATE = "the time limit was reached"
 
@@ -74,6 +77,8 @@ class Goal:
         On the clock of `time.monotonic`.
     centring : float
         Share of the complementarity that a step keeps at least.
+    level : float
+        Relative change of the duration within ten iterations that is enough, once the complementarity is near its goal.
     damping : float
         Least curvature of a block; more slows the last digits, less lets flat directions run away.
     """
@@ -83,6 +88,7 @@ class Goal:
     iterations: int = 150
     deadline: float = np.inf
     centring: float = 0.0
+    level: float = 0.0
     damping: float = 1e-5
 
 
@@ -151,6 +157,8 @@ def solve(frame: Frame, state: State, goal: Goal) -> Outcome:
     for iteration in range(goal.iterations):
         if run.reached(goal):
             return run.outcome(Ending.CONVERGED, iteration)
+        if run.level(goal):
+            return run.outcome(Ending.LEVEL, iteration)
         if noted(time.monotonic() > goal.deadline):
             return run.outcome(Ending.LATE, iteration)
         if not run.advance(goal):
@@ -186,6 +194,13 @@ class Run:
     def reached(self, goal: Goal) -> bool:
         """Whether the conditions of the optimum hold."""
         return self.mu <= goal.barrier and max(self.primal, self.dual) <= goal.error
+
+    def level(self, goal: Goal) -> bool:
+        """Whether the duration has stopped changing."""
+        if not goal.level or len(self.history) < RECENT or self.mu > 3 * goal.barrier or self.primal > 0.01:
+            return False
+        now = float(self.frame.model.tau @ self.state.point.durations)
+        return abs(now - self.history[-RECENT][3]) <= goal.level * now
 
     def outcome(self, ending: Ending, iterations: int) -> Outcome:
         """Report."""

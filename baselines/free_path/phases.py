@@ -26,6 +26,15 @@ from study.trajectory import Trajectory
 ROUNDS = 6
 """How often rows of the range of positions are added."""
 
+USUAL, MIDDLING, FEWEST = 8, 5, 3
+"""Pieces per segment: usually, for many waypoints, and for waypoints in close order."""
+
+CLOSE, MANY = 100, 500
+"""Numbers of segments from which waypoints may stand in close order, and from which eight pieces cost too much."""
+
+SWIFT = 0.3
+"""Share of the time from stop to stop below which waypoints stand in close order."""
+
 NEAR = 1e-3
 """Distance to the end of a range, in units of length, at which it begins to count."""
 
@@ -39,6 +48,8 @@ class Answer:
     motion : Trajectory
     ending : Ending
     iterations : int
+    pieces : int
+        Per segment and joint.
     stretch : float
         By how much the motion had to be slowed down, at least 1.
     """
@@ -46,21 +57,23 @@ class Answer:
     motion: Trajectory
     ending: Ending
     iterations: int
+    pieces: int
     stretch: float
 
 
-def free_path(question: FreePathProblem, pieces: int = 8, deadline: float = np.inf) -> Answer:
+def free_path(question: FreePathProblem, pieces: int | None = None, deadline: float = np.inf) -> Answer:
     """Find a fastest motion.
 
     Parameters
     ----------
     question : FreePathProblem
         At least one joint moves and has a limit.
-    pieces : int
-        Pieces per segment and joint, K, at least 3.
+    pieces : int, optional
+        Pieces per segment and joint, K, at least 3; by default `usual_pieces`.
     deadline : float, s
         On the clock of `time.monotonic`.
     """
+    pieces = usual_pieces(question, deadline) if pieces is None else pieces
     held = np.zeros((question.n_segments, question.n_joints), dtype=bool)
     model = model_of(question, pieces, held)
     shares = graded(model)
@@ -77,6 +90,32 @@ def free_path(question: FreePathProblem, pieces: int = 8, deadline: float = np.i
     return _answer(model, outcome, spent)
 
 
+def usual_pieces(question: FreePathProblem, deadline: float = np.inf) -> int:
+    """Choose the number of pieces per segment.
+
+    Waypoints in close order along a smooth path are passed in a small part of the time from stop to stop. There acceleration
+    changes little within a segment, and three pieces are enough; a first phase with three pieces tells.
+    """
+    if question.n_segments < CLOSE:
+        return USUAL
+    model = model_of(question, FEWEST)
+    frame = frame_of(model, False, graded(model))
+    outcome = solve(frame, started(frame, spline_start(model, graded(model)), 0.1), _goals(deadline)[0])
+    share = float(outcome.state.point.durations @ model.tau / model.tau.sum())
+    if share < SWIFT:
+        return FEWEST
+    return USUAL if question.n_segments < MANY else MIDDLING
+
+
+def _goals(deadline: float) -> tuple[Goal, Goal, Goal]:
+    """What each phase must reach."""
+    return (
+        Goal(barrier=1e-4, error=1e-2, iterations=100, deadline=deadline),
+        Goal(barrier=1e-7, error=1e-3, iterations=120, deadline=deadline, centring=0.3, level=3e-6, damping=1e-3),
+        Goal(barrier=1e-9, error=1e-6, iterations=60, deadline=deadline),
+    )
+
+
 def _with_neighbours(flags: Flags) -> Flags:
     wide = flags.copy()
     wide[1:] |= flags[:-1]
@@ -89,11 +128,7 @@ def _regraded(point: Point, shares: Floats) -> Point:
 
 
 def _fixed_then_free(model: Model, shares: Floats, point: Point, deadline: float) -> Outcome:
-    goals = (
-        Goal(barrier=1e-4, error=1e-2, iterations=100, deadline=deadline),
-        Goal(barrier=1e-7, error=1e-3, iterations=120, deadline=deadline, centring=0.3, damping=1e-3),
-        Goal(barrier=1e-9, error=1e-6, iterations=60, deadline=deadline),
-    )
+    goals = _goals(deadline)
     frame = frame_of(model, False, shares)
     first = solve(frame, started(frame, point, 0.1), goals[0])
     frame = frame_of(model, True, shares)
@@ -108,4 +143,4 @@ def _answer(model: Model, outcome: Outcome, iterations: int) -> Answer:
     point = closed(model, outcome.state.point)
     factor = stretch(model, point) if model.question.scalable else 1.0
     motion = realise(model, point)
-    return Answer(motion.scaled(factor) if factor > 1 else motion, outcome.ending, iterations, factor)
+    return Answer(motion.scaled(factor) if factor > 1 else motion, outcome.ending, iterations, model.pieces, factor)

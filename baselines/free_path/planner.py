@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from baselines.free_path.interior_point import Ending
-from baselines.free_path.phases import free_path
+from baselines.free_path.phases import FEWEST, free_path
 from baselines.free_path.question import of
 from study.demands import Demand
 from study.errors import StudyError
@@ -40,19 +40,19 @@ class FreePathPlanner:
 
     Parameters
     ----------
-    pieces : int
-        Pieces per segment and joint, K, at least 3.
+    pieces : int, optional
+        Pieces per segment and joint, K, at least 3; by default as many as the waypoints need.
     """
 
-    pieces: int = 8
+    pieces: int | None = None
     about: ClassVar[str] = "free path in pieces whose widths every joint chooses, optimised by an interior point"
     freedom: ClassVar[Freedom] = Freedom.FREE
     knows: ClassVar[frozenset[Demand]] = KNOWN
     stochastic: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        if self.pieces < 3:
-            raise StudyError(f"free path: pieces per segment must be at least 3, got {self.pieces}")
+        if self.pieces is not None and self.pieces < FEWEST:
+            raise StudyError(f"free path: pieces per segment must be at least {FEWEST}, got {self.pieces}")
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Plan within the settings' time limit; the motion so far where that is not enough."""
@@ -69,5 +69,5 @@ class FreePathPlanner:
             motion=answer.motion,
             iterations=answer.iterations,
             message=f"interior point: {answer.ending.value}",
-            details={"stretch": answer.stretch, "pieces": float(self.pieces)},
+            details={"stretch": answer.stretch, "pieces": float(answer.pieces)},
         )

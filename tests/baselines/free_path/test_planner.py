@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from baselines.closed_forms import three_limit_time, two_limit_time
+from baselines.free_path.phases import FEWEST, USUAL, usual_pieces
 from baselines.free_path.planner import FreePathPlanner
+from baselines.free_path.question import of
 from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.planning import RunSettings, Status
 from tests.helpers.reference_problems import EACH_LIMIT, INF, small, woodworking
@@ -119,3 +121,25 @@ def test_nothing_to_move_is_not_applicable():
 def test_too_few_pieces_are_refused():
     with pytest.raises(StudyError, match="at least 3, got 2"):
         FreePathPlanner(2)
+
+
+def dense(n_waypoints, limits):
+    """A smooth path of three joints, as so many points."""
+    s = np.linspace(0, 1, n_waypoints)[:, None]
+    points = np.concatenate([np.sin(5 * s), s * np.cos(4 * s), np.exp(s) * np.sin(3 * s + 1)], axis=1)
+    return Problem("dense", points, limits, end=EndCondition.SMOOTH)
+
+
+@pytest.mark.parametrize("jerk", [50.0, INF])
+def test_a_smooth_path_costs_the_same_in_however_many_points(jerk):
+    limits = JointLimits([1.5] * 3, [5.0] * 3, [jerk] * 3)
+    few, many = (planned(dense(n, limits), pieces=None).duration for n in (50, 400))
+    assert few <= many * (1 + 1e-6)
+    assert many <= 1.01 * few
+
+
+def test_close_order_takes_few_pieces_and_a_wild_walk_many():
+    limits = JointLimits([1.5] * 3, [5.0] * 3, [50.0] * 3)
+    wild = Problem("wild", np.random.default_rng(1).uniform(-1, 1, (120, 3)), limits)
+    assert usual_pieces(of(dense(120, limits))) == FEWEST
+    assert usual_pieces(of(wild)) == usual_pieces(of(small(EACH_LIMIT["all"]))) == USUAL
