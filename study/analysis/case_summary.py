@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import count, groupby
+
+import numpy as np
 
 from study.analysis.featured import Featured, featured
 from study.analysis.ladder import Rung, ladder_of
-from study.analysis.methods import Kind, MethodSummary, summaries_of
-from study.analysis.published import Printed
+from study.analysis.methods import Kind, MethodSummary, bound_of, lower_bound
+from study.analysis.published import published_methods
 from study.cases.library import Case
+from study.curves import CURVES
+from study.errors import StudyError
+from study.planning import Freedom, Planner
+from study.problem import Problem
+from study.registry import planner_named
 from study.store.results import Result
+from study.trajectory import Motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +70,98 @@ def summarise(cases: Mapping[str, Case], results: Iterable[Result]) -> tuple[Cas
     return tuple(summarise_case(case, results) for case in cases.values())
 
 
-def summarise_case(case: Case, results: Iterable[Result], printed: Sequence[Printed] | None = None) -> CaseSummary:
-    """Summarise one case; `printed` are its judged published motions, where they are known already."""
-    return CaseSummary(case, summaries_of(case, results, printed))
+def summarise_case(
+    case: Case, results: Iterable[Result], published: Sequence[MethodSummary] | None = None
+) -> CaseSummary:
+    """Summarise every method of a case, and what its paper prints.
+
+    Parameters
+    ----------
+    case : Case
+    results : iterable of Result
+        Those of other cases are passed over.
+    published : sequence of MethodSummary, optional
+        Judged published motions of the case, where they are known already.
+    """
+    own = sorted((r for r in results if r.cell.case == case.name), key=lambda r: (r.cell.label, r.cell.settings.seed))
+    methods = [_of_runs(case, tuple(runs)) for _, runs in groupby(own, key=lambda run: run.cell.label)]
+    methods += published_methods(case) if published is None else published
+    return CaseSummary(case, _placed(sorted(methods, key=_order)))
+
+
+def _of_runs(case: Case, runs: tuple[Result, ...]) -> MethodSummary:
+    planner = _installed(runs[0].cell.planner)
+    moving = next((run.motion for run in runs if run.motion is not None), None)
+    if moving is None and any(bound_of(run) is not None for run in runs):
+        kind: Kind = Kind.BOUND
+    else:
+        stochastic = planner.stochastic if planner else runs[0].evaluations > 0
+        kind = Kind.SEARCH if stochastic else Kind.DETERMINISTIC
+    freedom = planner.freedom if planner else _freedom_seen(case, moving)
+    return MethodSummary(
+        case=case.name,
+        label=runs[0].cell.label,
+        kind=kind,
+        freedom=None if kind is Kind.BOUND else freedom,
+        about=planner.about if planner else "",
+        results=runs,
+    )
+
+
+def _installed(name: str) -> Planner | None:
+    """Planner of a stored run; None where it is no longer installed."""
+    try:
+        return planner_named(name)
+    except StudyError:
+        return None
+
+
+def _freedom_seen(case: Case, motion: Motion | None) -> Freedom | None:
+    """Tell from a motion what a planner that is no longer installed was free to change."""
+    if motion is None:
+        return None
+    return Freedom.CURVE if on_curve(case.problem, case.curve, motion) else Freedom.FREE
+
+
+def on_curve(problem: Problem, curve: str, motion: Motion) -> bool:
+    """Rebuild the curve from the motion's own segment durations and compare the two."""
+    try:
+        rebuilt = CURVES[curve].motion(problem.waypoints, np.diff(motion.waypoint_times))
+    except StudyError:
+        return False
+    times = np.linspace(0.0, motion.duration, 101)
+    scale = max(float(np.ptp(problem.waypoints)), 1e-9)
+    return bool(np.abs(rebuilt(times) - motion(times)).max() <= 1e-6 * scale)
+
+
+def _placed(methods: Sequence[MethodSummary]) -> tuple[MethodSummary, ...]:
+    """Give ordered methods their ranks and gaps."""
+    places, bound = count(1), lower_bound(methods)
+    whole = [method for method in methods if method.median is not None and method.joint is None]
+    shortest = {freedom: _shortest(m for m in whole if m.freedom is freedom) for freedom in (*Freedom, None)}
+    overall = _shortest(whole)
+    return tuple(
+        replace(
+            method,
+            rank=next(places),
+            gap=_above(method, overall),
+            behind_same_kind=_above(method, shortest[method.freedom]),
+            above_bound=_above(method, bound),
+        )
+        if method in whole
+        else method
+        for method in methods
+    )
+
+
+def _shortest(methods: Iterable[MethodSummary]) -> float | None:
+    return min((method.best for method in methods if method.best is not None), default=None)
+
+
+def _above(method: MethodSummary, least: float | None) -> float | None:
+    return None if method.median is None or least is None else method.median / least - 1.0
+
+
+def _order(method: MethodSummary) -> tuple[bool, bool, float, str]:
+    duration = np.inf if method.judged_duration is None else method.judged_duration
+    return method.joint is not None, not method.feasible, duration, method.label

@@ -11,6 +11,7 @@ from study.errors import listed as listed
 from study.errors import plural as plural
 
 DASH = "–"
+UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
 
 
 def seconds(value: float | None) -> str:
@@ -35,12 +36,18 @@ def change(value: float | None) -> str:
 
 
 def wall(value: float | None) -> str:
-    """Wall time in the unit that suits it."""
+    """Wall time with three digits, in the unit that suits it."""
     if value is None or not math.isfinite(value):
         return DASH
-    if value < 1.0:
-        return f"{1e3 * value:.3g} ms"
-    return f"{value:.3g} s" if value < 100 else f"{value:.0f} s"
+    size, unit = next((each for each in UNITS if value >= each[0]), UNITS[-1])
+    return f"{value / size:.0f} {unit}" if value / size >= 99.5 else f"{value / size:.3g} {unit}"
+
+
+def ratio(value: float) -> str:
+    """Ratio with three digits: plain below ten thousand, then as a power of ten."""
+    if 999.5 <= value < 9999.5:
+        return f"{value:.0f}"
+    return f"{value:.3g}" if value < 1000 else f"{value:.0e}".replace("e+0", "e").replace("e+", "e")
 
 
 def bare_seconds(value: float | None) -> str:

@@ -4,20 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
-from itertools import count, groupby
 
 import numpy as np
 
-from study.analysis.published import PUBLISHED, Printed, printed_motions
-from study.cases.library import Case
-from study.curves import CURVES
-from study.errors import StudyError
-from study.planning import Freedom, Planner, Status, Synchronisation
-from study.problem import Problem
-from study.registry import planner_named
+from study.planning import Freedom, Status, Synchronisation
 from study.store.results import Result
 from study.trajectory import Motion
 
@@ -88,7 +81,7 @@ class MethodSummary:
     @property
     def planner(self) -> str:
         """Registry name, or `published`."""
-        return self.results[0].cell.planner if self.results else PUBLISHED
+        return self.results[0].cell.planner if self.results else Kind.PUBLISHED
 
     @property
     def runs(self) -> int:
@@ -186,25 +179,6 @@ class MethodSummary:
         return Standing.FEASIBLE if self.feasible else Standing.INFEASIBLE
 
 
-def summaries_of(
-    case: Case, results: Iterable[Result], printed: Sequence[Printed] | None = None
-) -> tuple[MethodSummary, ...]:
-    """Summarise every method of a case, and what its paper prints: feasible ones by median duration, then the others.
-
-    Parameters
-    ----------
-    case : Case
-    results : iterable of Result
-        Those of other cases are passed over.
-    printed : sequence of Printed, optional
-        The judged published motions of the case, where they are known already.
-    """
-    own = sorted((r for r in results if r.cell.case == case.name), key=lambda r: (r.cell.label, r.cell.settings.seed))
-    methods = [_of_runs(case, tuple(runs)) for _, runs in groupby(own, key=lambda run: run.cell.label)]
-    methods += [_of_printed(case, motion) for motion in (printed_motions(case) if printed is None else printed)]
-    return _placed(sorted(methods, key=_order))
-
-
 def lower_bound(methods: Iterable[MethodSummary], freedom: Freedom | None = None) -> float | None:
     """Highest proved lower bound, s: of any motion through the waypoints, or of motions of one freedom.
 
@@ -246,100 +220,9 @@ def is_feasible(result: Result) -> bool:
     return result.verdict is not None and result.verdict.feasible
 
 
-def _of_runs(case: Case, runs: tuple[Result, ...]) -> MethodSummary:
-    planner = _installed(runs[0].cell.planner)
-    moving = next((run.motion for run in runs if run.motion is not None), None)
-    if moving is None and any(bound_of(run) is not None for run in runs):
-        kind: Kind = Kind.BOUND
-    else:
-        stochastic = planner.stochastic if planner else runs[0].evaluations > 0
-        kind = Kind.SEARCH if stochastic else Kind.DETERMINISTIC
-    freedom = planner.freedom if planner else _freedom_seen(case, moving)
-    return MethodSummary(
-        case=case.name,
-        label=runs[0].cell.label,
-        kind=kind,
-        freedom=None if kind is Kind.BOUND else freedom,
-        about=planner.about if planner else "",
-        results=runs,
-    )
-
-
-def _installed(name: str) -> Planner | None:
-    """Planner of a stored run; None where it is no longer installed."""
-    try:
-        return planner_named(name)
-    except StudyError:
-        return None
-
-
-def _freedom_seen(case: Case, motion: Motion | None) -> Freedom | None:
-    """Tell from a motion what a planner that is no longer installed was free to change."""
-    if motion is None:
-        return None
-    return Freedom.CURVE if on_curve(case.problem, case.curve, motion) else Freedom.FREE
-
-
-def on_curve(problem: Problem, curve: str, motion: Motion) -> bool:
-    """Rebuild the curve from the motion's own segment durations and compare the two."""
-    try:
-        rebuilt = CURVES[curve].motion(problem.waypoints, np.diff(motion.waypoint_times))
-    except StudyError:
-        return False
-    times = np.linspace(0.0, motion.duration, 101)
-    scale = max(float(np.ptp(problem.waypoints)), 1e-9)
-    return bool(np.abs(rebuilt(times) - motion(times)).max() <= 1e-6 * scale)
-
-
-def _of_printed(case: Case, printed: Printed) -> MethodSummary:
-    return MethodSummary(
-        case=case.name,
-        label=printed.label,
-        kind=Kind.PUBLISHED,
-        freedom=Freedom.CURVE,
-        results=() if printed.result is None else (printed.result,),
-        joint=printed.joint,
-        claimed=printed.total,
-        remark=printed.remark,
-    )
-
-
-def _placed(methods: Sequence[MethodSummary]) -> tuple[MethodSummary, ...]:
-    """Give ordered methods their ranks and gaps."""
-    places, bound = count(1), lower_bound(methods)
-    whole = [method for method in methods if method.median is not None and method.joint is None]
-    shortest = {freedom: _shortest(m for m in whole if m.freedom is freedom) for freedom in (*Freedom, None)}
-    overall = _shortest(whole)
-    return tuple(
-        replace(
-            method,
-            rank=next(places),
-            gap=_above(method, overall),
-            behind_same_kind=_above(method, shortest[method.freedom]),
-            above_bound=_above(method, bound),
-        )
-        if method in whole
-        else method
-        for method in methods
-    )
-
-
-def _shortest(methods: Iterable[MethodSummary]) -> float | None:
-    return min((method.best for method in methods if method.best is not None), default=None)
-
-
-def _above(method: MethodSummary, least: float | None) -> float | None:
-    return None if method.median is None or least is None else method.median / least - 1.0
-
-
 def _duration(result: Result) -> float:
     return result.verdict.duration if result.verdict else np.inf
 
 
 def _violation(result: Result) -> float:
     return result.verdict.violation if result.verdict else np.inf
-
-
-def _order(method: MethodSummary) -> tuple[bool, bool, float, str]:
-    duration = np.inf if method.judged_duration is None else method.judged_duration
-    return method.joint is not None, not method.feasible, duration, method.label

@@ -2,61 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from study.analysis.methods import Kind, MethodSummary
 from study.cases.library import Case, Published
 from study.curves import curve_named
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import Plan, Status
+from study.planning import Freedom, Plan, Status
 from study.store.results import Cell, Result
 
-PUBLISHED = "published"
-"""Stands for the planner of a published motion."""
 
-
-@dataclass(frozen=True, eq=False)
-class Printed:
-    """A motion as the paper prints it.
-
-    Attributes
-    ----------
-    label : str
-    result : Result, optional
-        The judged motion; None where the paper prints too little to judge.
-    joint : int, optional
-        Counted from 0, where it is of one joint alone.
-    total : float, optional, s
-        Total time as printed.
-    remark : str
-        Reason why it cannot be judged.
-    """
-
-    label: str
-    result: Result | None
-    joint: int | None
-    total: float | None
-    remark: str = ""
-
-
-def printed_motions(case: Case) -> tuple[Printed, ...]:
+def published_methods(case: Case) -> tuple[MethodSummary, ...]:
     """Judge the motions that the case's paper prints.
 
     Durations printed joint by joint give a motion for each joint and one for their maximum per segment; totals without
     durations say that there is nothing to judge.
     """
-    return tuple(_printed(case, published) for published in (*case.published, *_synchronised(case)))
+    return tuple(_summary(case, published) for published in (*case.published, *_synchronised(case)))
 
 
-def _printed(case: Case, published: Published) -> Printed:
+def _summary(case: Case, published: Published) -> MethodSummary:
     joint = "" if published.joint is None else f", {case.problem.joint_names[published.joint]}"
-    label = f"published: {published.label}{joint}"
-    if published.durations is None:
-        remark = f"the paper prints no segment durations ({published.source}), so there is nothing to judge"
-        return Printed(label, None, None, published.total, remark)
-    return Printed(label, published_result(case, published, label), published.joint, published.total)
+    label, judged = f"published: {published.label}{joint}", published.durations is not None
+    return MethodSummary(
+        case=case.name,
+        label=label,
+        kind=Kind.PUBLISHED,
+        freedom=Freedom.CURVE,
+        results=(published_result(case, published, label),) if judged else (),
+        joint=published.joint if judged else None,
+        claimed=published.total,
+        remark=""
+        if judged
+        else f"the paper prints no segment durations ({published.source}), so there is nothing to judge",
+    )
 
 
 def published_result(case: Case, published: Published, label: str) -> Result:
@@ -69,7 +51,7 @@ def published_result(case: Case, published: Published, label: str) -> Result:
     except StudyError as error:
         plan = replace(plan, status=Status.FAILED, message=str(error))
     return Result(
-        cell=Cell(case.name, PUBLISHED, label, replace(case.settings, curve=case.curve)),
+        cell=Cell(case.name, Kind.PUBLISHED, label, replace(case.settings, curve=case.curve)),
         status=plan.status,
         message=plan.message,
         motion=plan.motion,

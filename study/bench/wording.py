@@ -5,38 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from statistics import median
 
+from study.analysis.formatting import ratio, wall
 from study.bench.measuring import Limit, Ratio, unmet
 from study.bench.run import Bench
 
 HEAD = ("measured", "against", "ours", "times as fast", "least - most", "target", "")
-UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
-
-
-def seconds(value: float) -> str:
-    """Write a time with three digits and the unit that fits."""
-    size, unit = next((one for one in UNITS if value >= one[0]), UNITS[-1])
-    return f"{value / size:.3g} {unit}"
-
-
-def plain(value: float) -> str:
-    """Write a ratio with three digits, thousands apart."""
-    return f"{value:,.0f}" if value >= 99.5 else f"{value:.3g}"
 
 
 def cells(row: Ratio | Limit) -> tuple[str, ...]:
     """Texts of one row of the table, in the order of its head."""
     if isinstance(row, Limit):
-        spread = f"{seconds(min(row.seconds))} - {seconds(max(row.seconds))}"
-        cost = f"{seconds(row.middle)} per {row.unit}"
-        return row.name, "", cost, "", spread, f"at most {seconds(row.most)}", verdict(row.met)
-    target = "" if row.target is None else f"at least {plain(row.target)}"
+        spread = f"{wall(min(row.seconds))} - {wall(max(row.seconds))}"
+        cost = f"{wall(row.middle)} per {row.unit}"
+        return row.name, "", cost, "", spread, f"at most {wall(row.most)}", verdict(row.met)
+    target = "" if row.target is None else f"at least {ratio(row.target)}"
     if row.missing:
         return row.name, row.peer, row.missing, "", "", target, "not measured"
-    cost = f"{seconds(median(row.seconds))} per {row.unit}"
+    cost = f"{wall(median(row.seconds))} per {row.unit}"
     if not row.peer_seconds:
-        return row.name, row.peer, cost, "", f"{seconds(min(row.seconds))} - {seconds(max(row.seconds))}", "", ""
-    spread = f"{plain(min(row.ratios))} - {plain(max(row.ratios))}"
-    return row.name, row.peer, cost, plain(row.middle), spread, target, verdict(row.met)
+        return row.name, row.peer, cost, "", f"{wall(min(row.seconds))} - {wall(max(row.seconds))}", "", ""
+    spread = f"{ratio(min(row.ratios))} - {ratio(max(row.ratios))}"
+    return row.name, row.peer, cost, ratio(row.middle), spread, target, verdict(row.met)
 
 
 def verdict(met: bool | None) -> str:
@@ -63,7 +52,7 @@ def summary(bench: Bench) -> list[str]:
     if absent:
         texts.append(f"Not measured: {'; '.join(dict.fromkeys(f'{row.name}: {row.missing}' for row in absent))}.")
     if bench.compile_seconds:
-        ready = ", ".join(f"{name} {seconds(value)}" for name, value in bench.compile_seconds.items())
+        ready = ", ".join(f"{name} {wall(value)}" for name, value in bench.compile_seconds.items())
         texts.append(f"Kernels were ready after (compiled, or read from numba's cache): {ready}.")
     texts.append(f"The process held at most {bench.peak_bytes / 2**20:,.0f} MiB.")
     return texts

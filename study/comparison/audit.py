@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from study.analysis.formatting import ratio as times
 from study.cases.library import Case
 from study.comparison import statistics, tasks
 from study.comparison.effort import Effort
@@ -219,7 +220,7 @@ def flags_of(functions: Iterable[FunctionFinding], trajectories: Iterable[Trajec
         for what, ratio in tested:
             if ratio > ALARM:
                 reasons.setdefault(one.search, []).append(
-                    f"on functions its error grows {figure(ratio)}-fold when {what}"
+                    f"on functions its error grows {times(ratio)}-fold when {what}"
                 )
     by_search: dict[str, list[TrajectoryFinding]] = {}
     for found in trajectories:
@@ -231,10 +232,3 @@ def flags_of(functions: Iterable[FunctionFinding], trajectories: Iterable[Trajec
             f"on {', '.join(cases)} its result depends on how the durations are written"
         )
     return {name: "; ".join(texts) for name, texts in reasons.items()}
-
-
-def figure(ratio: float) -> str:
-    """Write a ratio as people read it: plain below ten thousand, then as a power of ten."""
-    if 999.5 <= ratio < 9999.5:
-        return f"{ratio:.0f}"
-    return f"{ratio:.3g}" if ratio < 1000 else f"{ratio:.0e}".replace("e+0", "e").replace("e+", "e")

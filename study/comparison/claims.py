@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from study.analysis.methods import summaries_of
+from study.analysis.published import published_methods
 from study.cases.library import Case
 from study.cases.published import claims
 from study.comparison import statistics
@@ -202,7 +202,7 @@ def _published(case: Case, total: float) -> tuple[bool | None, str]:
     """Judge the printed motion whose total is the claimed one."""
     near = [
         method
-        for method in summaries_of(case, ())
+        for method in published_methods(case)
         if method.joint is None and method.judged_duration is not None and abs(method.judged_duration - total) < 0.006
     ]
     if not near:

@@ -12,9 +12,9 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from study.analysis.formatting import ratio as figure_text
 from study.comparison.ablations import AblationFinding
 from study.comparison.audit import ALARM, FunctionFinding, TrajectoryFinding
-from study.comparison.audit import figure as figure_text
 from study.comparison.differences import Omnibus
 from study.comparison.performance import Anytime, Distribution
 from study.comparison.tasks import CENTRED, REFLECTED

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from markupsafe import Markup, escape
 
-from study.analysis.formatting import DASH, count, percent, seconds
+from study.analysis.formatting import DASH, count, percent, ratio, seconds, wall
 from study.comparison.ablations import AblationFinding
-from study.comparison.audit import AXES, FunctionFinding, TrajectoryFinding, figure
+from study.comparison.audit import AXES, FunctionFinding, TrajectoryFinding
 from study.comparison.claims import Against, Counterpart
 from study.comparison.contestants import Contestant, Reference
 from study.comparison.differences import Omnibus, Pairing
 from study.comparison.performance import Performance
 from study.comparison.records import target_name
 from study.comparison.runtime import TARGETS
-from study.comparison.sentences import micro, p_value
+from study.comparison.sentences import p_value
 from study.comparison.statistics import Interval
 from study.comparison.tasks import SHIFTED
 from study.runs.selections import YARDSTICKS
@@ -75,8 +75,8 @@ def target_grid(case: str, found: Sequence[Performance], flags: Mapping[str, str
             f"{one.feasible}/{len(one.contestant.durations)}",
             percent(one.gap),
             *(_evaluations(value) for value in one.evaluations),
-            *(micro(value) if np.isfinite(value) else "never" for value in one.seconds),
-            micro(float(np.median(one.contestant.wall))),
+            *(wall(value) if np.isfinite(value) else "never" for value in one.seconds),
+            wall(float(np.median(one.contestant.wall))),
         )
         for one in found
     ]
@@ -101,7 +101,7 @@ def solver_grid(found: Sequence[Contestant], references: Mapping[str, Reference]
         base = references.get(one.case)
         gap = percent(one.median / base.value - 1) if base and np.isfinite(one.median) else DASH
         time = seconds(one.median) if np.isfinite(one.median) else "no feasible motion"
-        rows.append((one.case, one.planner, time, gap, micro(float(np.median(one.wall)))))
+        rows.append((one.case, one.planner, time, gap, wall(float(np.median(one.wall)))))
     return Grid(
         "Solvers by wall time and duration. TOPP-RA and Ruckig move on other paths than the paper's curve, so they may be "
         "below the best known on it.",
@@ -155,11 +155,11 @@ def function_grid(found: Sequence[FunctionFinding], flags: Mapping[str, str]) ->
     rows = [
         (
             name_of(one.search, flags),
-            figure(one.shifted),
-            *(figure(one.doses[dose]) for dose in doses),
-            figure(one.diagonal),
-            figure(one.rotated) + (f" {AXES}" if one.on_axes else ""),
-            *(figure(value) for value in one.by_function.values()),
+            ratio(one.shifted),
+            *(ratio(one.doses[dose]) for dose in doses),
+            ratio(one.diagonal),
+            ratio(one.rotated) + (f" {AXES}" if one.on_axes else ""),
+            *(ratio(value) for value in one.by_function.values()),
         )
         for one in found
     ]
@@ -259,8 +259,8 @@ def claim_grid(found: Sequence[Counterpart], flags: Mapping[str, str]) -> Grid:
             f"{one.headline.baseline}: {_against(one.against_baseline)}",
             _against(one.against_random),
             f"ours {percent(one.above_optimum)}, printed {percent(one.printed_above_optimum)}",
-            f"{seconds(one.ruckig.median)}, computed in {micro(float(np.median(one.ruckig.wall)))}; the search took "
-            f"{micro(float(np.median(one.ours.wall)))}"
+            f"{seconds(one.ruckig.median)}, computed in {wall(float(np.median(one.ruckig.wall)))}; the search took "
+            f"{wall(float(np.median(one.ours.wall)))}"
             if one.ruckig
             else one.ruckig_reason,
         )

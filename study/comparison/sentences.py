@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from study.analysis.formatting import listed, percent, plural, seconds
+from study.analysis.formatting import listed, percent, plural, ratio, seconds, wall
 from study.comparison.ablations import ABLATIONS, WHOLE, AblationFinding
-from study.comparison.audit import ALARM, AXES, SIGNIFICANT, FunctionFinding, TrajectoryFinding, figure
+from study.comparison.audit import ALARM, AXES, SIGNIFICANT, FunctionFinding, TrajectoryFinding
 from study.comparison.build import Comparison
 from study.comparison.claims import Against, Counterpart
 from study.comparison.contestants import needs_scaling
@@ -22,13 +22,6 @@ from study.runs.selections import YARDSTICKS
 def p_value(p: float) -> str:
     """Write a p-value as people read it."""
     return f"{p:.2g}" if p >= 1e-4 else "below 0.0001"
-
-
-def micro(wall: float) -> str:
-    """Write a wall time in the unit that suits it, microseconds among them."""
-    if wall < 1e-3:
-        return f"{1e6 * wall:.0f} µs"
-    return f"{1e3 * wall:.3g} ms" if wall < 1.0 else f"{wall:.3g} s"
 
 
 def ranking(found: Omnibus) -> str:
@@ -83,8 +76,8 @@ def named(searches: Mapping[str, str]) -> str:
 
 def functions_audited(found: Sequence[FunctionFinding]) -> str:
     """Say whom the functions flag, and how the standard searches stand."""
-    flagged = {one.search: f" ({figure(one.shifted)})" for one in found if one.shifted > ALARM}
-    plain = [f"{one.search} ({figure(one.shifted)})" for one in found if one.search in ("pso", "de")]
+    flagged = {one.search: f" ({ratio(one.shifted)})" for one in found if one.shifted > ALARM}
+    plain = [f"{one.search} ({ratio(one.shifted)})" for one in found if one.search in ("pso", "de")]
     rest = (
         f" Not flagged: {listed(plain)}."
         if all(one.shifted <= ALARM for one in found if one.search in ("pso", "de"))
@@ -98,7 +91,7 @@ def functions_audited(found: Sequence[FunctionFinding]) -> str:
 
 def axes_audited(found: Sequence[FunctionFinding]) -> str:
     """Say whose result depends on the directions of the axes."""
-    turned = [f"{one.search} ({figure(one.rotated)})" for one in found if one.on_axes]
+    turned = [f"{one.search} ({ratio(one.rotated)})" for one in found if one.on_axes]
     return (
         f"The error of {len(turned)} of {len(found)} searches grows more than {ALARM:g}-fold when the axes of the functions are "
         f"turned about the optimum: {listed(turned) or 'none'}. Such a search gains from functions that fall apart into single "
@@ -178,7 +171,7 @@ def claimed(one: Counterpart) -> str:
     if one.ruckig is not None:
         ruckig = (
             f"Ruckig, stopping at every waypoint on a path of its own, takes {seconds(one.ruckig.median)} and "
-            f"{micro(float(np.median(one.ruckig.wall)))} of computing against {micro(float(np.median(one.ours.wall)))}"
+            f"{wall(float(np.median(one.ruckig.wall)))} of computing against {wall(float(np.median(one.ours.wall)))}"
         )
     return (
         f"{one.headline.paper} claims {one.printed_saving} less time than {one.headline.against} ({one.printed_total}). "

@@ -10,7 +10,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from study.analysis.case_summary import summarise_case
-from study.analysis.published import Printed, printed_motions
+from study.analysis.methods import MethodSummary
+from study.analysis.published import published_methods
 from study.cases.library import Case
 from study.errors import StudyError
 from study.recording.contents import gather, in_seconds, sample_times
@@ -52,7 +53,7 @@ class LiveRecording:
         self._streams: dict[str, rr.RecordingStream] = {}
         self._results: dict[str, list[Result]] = {}
         self._cases: dict[str, Case] = {}
-        self._printed: dict[str, tuple[Printed, ...]] = {}
+        self._published: dict[str, tuple[MethodSummary, ...]] = {}
         self._drawn: dict[str, float] = {}
         self._running: dict[str, RunningSearches] = {}
 
@@ -103,9 +104,9 @@ class LiveRecording:
         return self._streams[case.name]
 
     def _draw(self, case: Case) -> None:
-        if case.name not in self._printed:
-            self._printed[case.name] = printed_motions(case)
-        summary = summarise_case(case, self._results[case.name], self._printed[case.name])
+        if case.name not in self._published:
+            self._published[case.name] = published_methods(case)
+        summary = summarise_case(case, self._results[case.name], self._published[case.name])
         contents = gather(summary, self._samples)
         stream = self._stream(case)
         log_standings(stream, contents)

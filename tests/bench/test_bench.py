@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from study import engine
+from study.analysis.formatting import wall
 from study.bench import growth, papers_way, searches, wording
 from study.bench.growth import Point, peak_bytes
 from study.bench.kernels import peaks_call, sample
@@ -98,7 +99,7 @@ def test_sentences_say_what_is_not_met() -> None:
     assert texts[0] == "1 of 3 targets are met."
     assert texts[1] == "Not met: kernels, 3-5-3 against the papers' way: 1,500, target at least 2,000."
     assert "Not measured: PSO: mealpy is not installed." in texts
-    assert wording.seconds(4.56e-7) == "456 ns"
+    assert wall(4.56e-7) == "456 ns"
 
 
 def test_page_is_made_from_the_record(tmp_path: Path) -> None:

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from study.analysis import formatting
-from study.analysis.case_summary import CaseSummary, summarise_case
+from study.analysis.case_summary import CaseSummary, on_curve, summarise_case
 from study.analysis.featured import featured
 from study.analysis.ladder import CauseKind, breakdown_of
-from study.analysis.methods import Kind, Standing, on_curve
+from study.analysis.methods import Kind, Standing
 from study.analysis.sentences import answer, case_answer
 from study.cases.library import Case, case_names, load_case
 from study.cases.papers import paper_of
