@@ -97,7 +97,7 @@ def test_refuses_what_is_no_bench(tmp_path: Path, text: str) -> None:
 def test_sentences_say_what_is_not_met() -> None:
     texts = wording.summary(BENCH)
     assert texts[0] == "1 of 3 targets are met."
-    assert texts[1] == "Not met: kernels, 3-5-3 against the papers' way: 1,500, target at least 2,000."
+    assert texts[1] == "Not met: kernels, 3-5-3 against the papers' way: 1500, target at least 2000."
     assert "Not measured: PSO: mealpy is not installed." in texts
     assert wall(4.56e-7) == "456 ns"
 

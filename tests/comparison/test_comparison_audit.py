@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from study.analysis.formatting import ratio
 from study.cases.library import load_case
 from study.comparison import ablations, audit, tasks
 from study.comparison.audit import FunctionFinding, TrajectoryFinding
@@ -96,7 +97,7 @@ def test_error_ratio_and_geometric_mean_by_hand():
 
 
 def test_ratios_read_plainly():
-    assert [audit.figure(x) for x in (0.97, 15.23, 253.4, 1000.0, 6821.0, 9999.9, 3.4e10)] == [
+    assert [ratio(x) for x in (0.97, 15.23, 253.4, 1000.0, 6821.0, 9999.9, 3.4e10)] == [
         "0.97", "15.2", "253", "1000", "6821", "1e4", "3e10",
     ]  # fmt: skip
 

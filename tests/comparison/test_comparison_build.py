@@ -14,11 +14,12 @@ from study.cases.library import case_names, load_case
 from study.cases.published import claims
 from study.comparison.build import compare, flags, trial_jobs
 from study.comparison.claims import HEADLINES
-from study.comparison.contestants import TRIVIAL, level_cells
+from study.comparison.contestants import level_cells
 from study.comparison.effort import FULL
 from study.comparison.ioh import write_ioh
 from study.comparison.pages import PAGES, tables_of, write_pages
 from study.errors import StudyError
+from study.runs.selections import YARDSTICKS
 from tests.helpers.comparisons import CASES, TINY
 
 pytest.importorskip("scikit_posthocs", reason="the comparison needs the extra 'compare'")
@@ -120,8 +121,8 @@ def test_every_table_holds_the_trivial_opponents(whole):
     for level, contestants in found.levels.items():
         for case in CASES:
             planners = {one.planner for one in contestants if one.case == case}
-            assert set(TRIVIAL) < planners, (level, case)
-    assert all(set(TRIVIAL) < set(one.planners) for one in found.omnibus)
+            assert set(YARDSTICKS) < planners, (level, case)
+    assert all(set(YARDSTICKS) < set(one.planners) for one in found.omnibus)
 
 
 def test_budgets_are_equal_and_seeds_paired():
