@@ -18,7 +18,6 @@ from study.comparison.contestants import level_cells
 from study.comparison.effort import FULL
 from study.comparison.ioh import write_ioh
 from study.comparison.pages import PAGES, tables_of, write_pages
-from study.errors import StudyError
 from study.runs.selections import YARDSTICKS
 from tests.helpers.comparisons import CASES, TINY
 
@@ -231,8 +230,7 @@ def test_iohinspector_reads_the_export(whole, tmp_path):
     assert np.allclose(best, [history[-1, 1] for history in own.histories])
 
 
-def test_one_seed_is_refused(tmp_path):
-    from study.cli.compare import compare_command
-
-    with pytest.raises(StudyError, match="at least 2 seeds"):
-        compare_command(CASES, tmp_path / "r.sqlite", False, 1, 1, None)
+def test_one_seed_is_refused(tmp_path, study_command):
+    refused = study_command("compare", "--cases", "woodworking", "--seeds", 1, "--out", tmp_path)
+    assert refused.returncode == 2
+    assert "at least 2 seeds" in refused.stderr
