@@ -35,7 +35,7 @@ def torture(
         int, typer.Option(help="Instead, put so many random and adversarial motions to two independent judges.", min=0)
     ] = 0,
 ) -> None:
-    """Put random problems (1-8 joints, 2-25 waypoints, limits over three decades) to planners; ends with 3 if one crashes."""
+    """Put random problems of every kind (1-8 joints, 2-200 waypoints, six decades) to planners; ends with 3 if one crashes."""
     if judges:
         return _compare(judges, seed, default_jobs() if jobs is None else jobs)
     names = [

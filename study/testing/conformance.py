@@ -3,58 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 
+from study.demands import refusal
 from study.errors import StudyError
 from study.judge import judge
 from study.parametric import ParametricTrajectory
-from study.planning import Formulation, Meter, Plan, Planner, RunSettings, Status, Synchronisation, undescribed
-from study.problem import EndCondition, Floats, JointLimits, Problem
+from study.planning import Meter, Plan, Planner, RunSettings, Status, Synchronisation, undescribed, usual_settings
+from study.problem import Floats, Problem
 from study.search.state import Box, Search, State
+from study.testing.problems import example_problems
 from study.trajectory import Motion, Trajectory
 
 
 class NonconformingError(AssertionError):
     """A planner or search breaks the contract; the text says which part of it."""
-
-
-def random_problem(rng: np.random.Generator, name: str = "random") -> Problem:
-    """Draw a problem: 1 to 8 joints, 2 to 25 waypoints, limits over three decades, jerk and acceleration limited or not.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-    name : str
-    """
-    n_joints, n_waypoints = int(rng.integers(1, 9)), int(rng.integers(2, 26))
-    size = 10.0 ** rng.uniform(-1.5, 1.5, n_joints)
-    waypoints = size * np.cumsum(rng.uniform(-1.0, 1.0, (n_waypoints, n_joints)), axis=0)
-    rates = size * 10.0 ** rng.uniform(-1.5, 1.5, (3, n_joints))
-    kind = int(rng.integers(3))
-    rates[kind + 1 :] = np.inf
-    end = EndCondition.SMOOTH if kind == 2 and rng.random() < 0.5 else EndCondition.REST
-    return Problem(name, waypoints, JointLimits(*rates), end)
-
-
-def example_problems() -> tuple[Problem, ...]:
-    """Small problems in which each limit binds in turn, and one with a joint that does not move."""
-    four = np.array([[0.0, 0.2], [0.5, -0.1], [0.9, 0.3], [1.4, 0.1]])
-    still = np.column_stack([four, np.full(4, 0.7)])
-    loose, tight = np.full(2, 100.0), np.array([1.0, 0.8])
-    limits = {
-        "velocity binds": JointLimits(tight, loose, 100 * loose),
-        "acceleration binds": JointLimits(loose, tight, 100 * loose),
-        "jerk binds": JointLimits(loose, loose, tight),
-        "no jerk limit": JointLimits(tight, 2 * tight),
-    }
-    problems = [Problem(name, four, limit, EndCondition.REST) for name, limit in limits.items()]
-    moving = JointLimits(np.ones(3), 2 * np.ones(3), 20 * np.ones(3))
-    problems.append(Problem("a joint that does not move", still, moving, EndCondition.REST))
-    problems.append(Problem("two waypoints", four[:2], limits["no jerk limit"]))
-    return tuple(problems)
 
 
 def check_planner(
@@ -67,7 +33,8 @@ def check_planner(
 
     Its answers must be plans; what it calls finished must pass the judge; its evaluations must stay within the budget; the
     same seed must give the same bytes; problems and NumPy's global random state must stay as they were; a failure
-    must have a reason; and at least one problem must be solved.
+    must have a reason; and at least one problem must be solved. Problems with demands that it does not know are left out, and
+    where it does not know a limit of rates or positions, its motion may break it.
 
     Parameters
     ----------
@@ -75,7 +42,7 @@ def check_planner(
     problems : sequence of Problem, optional
         `example_problems()` by default.
     settings : RunSettings, optional
-        300 evaluations of feasible-by-stretching candidates on the clamped cubic spline by default.
+        300 evaluations of feasible-by-stretching candidates on each problem's usual curve by default.
     may_be_infeasible : bool
         For planners that do not know some kind of limit, as TOPP-RA does not know jerk.
 
@@ -85,14 +52,18 @@ def check_planner(
         With one sentence for the first part of the contract that is broken.
     """
     _require(not (reason := undescribed(planner)), reason)
-    chosen = settings or RunSettings(
-        "cubic-spline", seed=1, evaluations=300, population=20, formulation=Formulation.SCALED
-    )
-    solved = [_solves(planner, problem, chosen, may_be_infeasible) for problem in problems or example_problems()]
+    chosen = problems or example_problems()
+    solved = [_solves(planner, case, settings or _settings(case), may_be_infeasible) for case in chosen]
     _require(any(solved), "the planner solved none of the problems")
 
 
+def _settings(problem: Problem) -> RunSettings:
+    return replace(usual_settings(problem), seed=1, evaluations=300, population=20)
+
+
 def _solves(planner: Planner, problem: Problem, settings: RunSettings, may_be_infeasible: bool) -> bool:
+    if refusal(problem.planner_demands, planner.knows):
+        return False
     where, before = f"on {problem.name!r}", _numbers(problem)
     random_before = _global_random_state()
     first, second = (_answer(planner, problem, settings, where) for _ in range(2))
@@ -110,7 +81,7 @@ def _solves(planner: Planner, problem: Problem, settings: RunSettings, may_be_in
         _require(bool(first.message), f"{where} it gave neither a motion nor a reason")
         return False
     verdict = judge(problem, first.motion)
-    promised = first.status is Status.FINISHED and not may_be_infeasible
+    promised = first.status is Status.FINISHED and not may_be_infeasible and problem.demands <= planner.knows
     _require(verdict.feasible or not promised, f"{where} its motion is infeasible: {'; '.join(verdict.reasons)}")
     return verdict.feasible
 

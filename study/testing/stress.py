@@ -9,9 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.demands import refusal
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import RunSettings, Status, usual_settings
+from study.planning import RunSettings, Status, in_time, usual_settings
 from study.problem import Problem
 from study.registry import planner_named, planner_names, unavailable_planners
 from study.runs.pool import Overdue, WorkerDied, WorkerPool
@@ -74,8 +75,10 @@ def endure(attempt: Attempt) -> Outcome:
         usual.curve, seed=attempt.number, formulation=usual.formulation, time_limit=attempt.time_limit
     )
     planner = planner_named(attempt.planner)
+    if reason := refusal(problem.planner_demands, planner.knows):
+        return Outcome(attempt, REASON, reason)
     try:
-        plan = planner.plan(problem, settings)
+        plan = in_time(problem, planner.plan(problem, settings))
         verdict = None if plan.motion is None else judge(problem, plan.motion)
     except StudyError as error:
         return Outcome(attempt, REASON, str(error))

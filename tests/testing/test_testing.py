@@ -10,13 +10,13 @@ from study.errors import StudyError
 from study.formulation import Scaled
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
-from study.problem import Problem
+from study.problem import Demand, EndCondition, Problem
 from study.registry import planner_named, planner_names, unavailable_planners
 from study.search.random_search import RandomSearch
 from study.testing import NonconformingError, check_planner, check_search, example_problems, random_problem
 
-LEFT_OUT = {"bspline-nlp", "ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp"}
-"""Planners too slow for the fast tests; they have tests of this kind in their own files."""
+SLOW = {"bspline-nlp", "ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp"}
+"""Planners too slow for the fast tests."""
 BOUNDS = {"any-motion-bound", "lower-bounds"}
 """What proves a bound and gives no motion is no planner that could solve anything."""
 QUICK = RunSettings("poly353", seed=3, evaluations=60, population=10, formulation="scaled")
@@ -126,7 +126,13 @@ def test_what_is_wrong_with_a_planner_is_found(planner, sentence):
         check_planner(planner(), example_problems()[:2])
 
 
-@pytest.mark.parametrize("name", sorted(set(planner_names()) - LEFT_OUT - BOUNDS - set(unavailable_planners())))
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else [])
+        for name in sorted(set(planner_names()) - BOUNDS - set(unavailable_planners()))
+    ],
+)
 def test_every_installed_planner_keeps_the_contract(name):
     four = [problem for problem in example_problems() if problem.n_waypoints == 4]
     check_planner(planner_named(name), four, QUICK, may_be_infeasible=name == "toppra")
@@ -196,7 +202,13 @@ def test_what_is_wrong_with_a_search_is_found(search, sentence):
 def test_random_problems_are_repeatable_and_differ():
     drawn = [random_problem(np.random.default_rng(seed)) for seed in range(200)]
     assert {p.n_joints for p in drawn} == set(range(1, 9))
-    assert {p.n_waypoints for p in drawn} == set(range(2, 26))
+    assert {p.n_waypoints for p in drawn} >= set(range(2, 26))
+    assert max(p.n_waypoints for p in drawn) > 100
+    assert {demand for p in drawn for demand in p.demands} >= set(Demand) - {Demand.DURATION, Demand.CYCLE}
+    assert {p.end for p in drawn} == set(EndCondition)
+    assert any(not p.moving.all() and np.ptp(p.waypoints, axis=0).all() for p in drawn)
+    spans = np.concatenate([np.ptp(p.waypoints, axis=0)[p.moving] for p in drawn])
+    assert spans.max() / spans.min() > 1e6
     assert (drawn[0].waypoints == random_problem(np.random.default_rng(0)).waypoints).all()
     assert {int(np.isfinite(p.limits.rates[:, 0]).sum()) for p in drawn} == {1, 2, 3}
 
