@@ -63,7 +63,8 @@ def plain(value: object) -> object:
     if isinstance(value, Enum):
         return value.name
     if is_dataclass(value):
-        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+        parts = {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+        return {"kind": type(value).__name__} | parts  # a tube and a straight path may have the same parts
     if isinstance(value, Mapping):
         return [[plain(key), plain(held)] for key, held in sorted(value.items())]
     if isinstance(value, Sequence) and not isinstance(value, str):

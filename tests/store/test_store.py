@@ -13,7 +13,7 @@ from study.curves import curve_named
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import Plan, Status
-from study.problem import EndCondition, JointLimits, Problem, State, Timing
+from study.problem import EndCondition, JointLimits, Problem, State, StraightPath, Timing, Tube
 from study.runs.lineup import Budget, Spec, make_cells
 from study.runs.runner import Task, execute
 from study.store import store as store_module
@@ -145,11 +145,13 @@ def test_the_key_follows_the_content(tiny_problem, cells):
         cell_key(cell, replace(tiny_problem, waypoints=waypoints), "1"),
         cell_key(cell, replace(tiny_problem, limits=replace(limits, jerk=np.full(2, 9.0))), "1"),
         cell_key(cell, replace(tiny_problem, end=EndCondition.REST), "1"),
+        cell_key(cell, replace(tiny_problem, path=Tube(0.1)), "1"),
+        cell_key(cell, replace(tiny_problem, path=StraightPath(0.1)), "1"),
         cell_key(cell, tiny_problem, "2"),
         cell_key(replace(cell, planner="other"), tiny_problem, "1"),
         cell_key(replace(cell, settings=replace(cell.settings, seed=9)), tiny_problem, "1"),
     ]
-    assert len({key, *others}) == 7
+    assert len({key, *others}) == 9
 
 
 @pytest.mark.parametrize("curve", ["poly353", '"seed":0, \\"é'])
