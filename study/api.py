@@ -15,7 +15,7 @@ from study.judge import Verdict
 from study.planning import RunSettings, Status, usual_settings
 from study.problem import Problem
 from study.registry import planner_about, planner_named, planner_names
-from study.runs.execute import Task, execute
+from study.runs.execute import CellJob
 from study.runs.selections import AUTO, AUTO_RESERVE, AUTO_UNBOUNDED, COMPARED
 from study.store.results import Cell, Result
 from study.trajectory import Motion
@@ -260,7 +260,7 @@ def _seeds(name: str, seeds: int) -> range:
 
 
 def _run(problem: Problem, name: str, settings: RunSettings) -> Result:
-    return execute(Task(Cell(problem.name, name, name, settings), problem))
+    return CellJob(Cell(problem.name, name, name, settings), problem).run()
 
 
 def _duration(result: Result) -> float:

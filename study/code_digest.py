@@ -36,11 +36,18 @@ def code_digest(module: str) -> str:
         if name in seen | EXEMPT or name.partition(".")[0] not in packages or _source(name) is None:
             continue
         seen.add(name)
-        waiting += [*_imports(name), name.rpartition(".")[0]]  # a module runs its package's file first
+        waiting += _imports(name)
+        if (package := name.rpartition(".")[0]) not in OURS:  # whose files only hand names on
+            waiting.append(package)  # a module runs its package's file first
     digest = hashlib.sha256()
     for name in sorted(seen):
         digest.update(f"{name}\n{_file_digest(name)}\n".encode())
     return digest.hexdigest()
+
+
+def has_source(module: str) -> bool:
+    """Tell whether a module is installed as Python source; one of this project that is not there has been removed."""
+    return module.partition(".")[0] in OURS or _source(module) is not None
 
 
 @cache
@@ -74,7 +81,7 @@ def _file_digest(module: str) -> str:
 
 @cache
 def _imports(module: str) -> tuple[str, ...]:
-    """Names that a module imports anywhere in its text; `from a import b` may mean a module a.b, so both are named."""
+    """Names that a module imports anywhere in its text; `from a import b` may mean a module a.b."""
     return tuple(name for node in ast.walk(ast.parse(_text(module))) for name in _named(module, node))
 
 
@@ -83,8 +90,10 @@ def _named(module: str, node: ast.AST) -> Iterator[str]:
         yield from (alias.name for alias in node.names)
     elif isinstance(node, ast.ImportFrom):
         base = ".".join(filter(None, (_package(module, node.level), node.module)))
-        yield base
-        yield from (f"{base}.{alias.name}" for alias in node.names)
+        parts = [f"{base}.{alias.name}" for alias in node.names]
+        yield from parts
+        if not all(map(_source, parts)):  # a part that is no module stands in the base's own file
+            yield base
 
 
 def _package(module: str, level: int) -> str:

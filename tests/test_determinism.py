@@ -14,18 +14,18 @@ from study.deadline import NEVER, Deadline, watched
 from study.planning import Status
 from study.problem import JointLimits
 from study.registry import planner_code
+from study.runs.execute import CellJob, cell_jobs, stored_results
 from study.runs.lineup import Budget, make_cells, parse_specs
-from study.runs.runner import Task, execute, run_cells
+from study.runs.runner import run_jobs
 from study.store.store import Store
 
 
 def digest_of(folder, jobs, planners, seeds):
     case = load_case("woodworking")
     cells = make_cells([case], parse_specs(planners), Budget(seeds, 300))
-    with Store(folder / f"{jobs}.sqlite", {case.name: case}) as store:
-        run_cells(cells, {case.name: case}, store, jobs=jobs)
-        results = store.results(cells)
-        return len(results), store.digest(), store.cut_short()
+    with Store(folder / f"{jobs}.sqlite") as store:
+        run_jobs(cell_jobs(cells, {case.name: case}), store, workers=jobs)
+        return len(stored_results(store, cells, {case.name: case})), store.digest(), store.cut_short()
 
 
 def test_a_study_has_the_same_results_with_one_worker_and_with_three(tmp_path):
@@ -37,7 +37,7 @@ def test_a_study_has_the_same_results_with_one_worker_and_with_three(tmp_path):
 
 
 SEARCHES = "pso,tadf-ssa,smwoa:scaled,shared,chaotic-spso:scaled,shared,de:scaled,shared,random-search:scaled,shared"
-COLUMNS = "case_name, label, seed, status, feasible, evaluations, duration, worst_ratio"
+COLUMNS = "subject, label, seed, status, feasible, evaluations, duration, worst_ratio"
 
 
 def columns_of(path, engine, monkeypatch):
@@ -45,8 +45,8 @@ def columns_of(path, engine, monkeypatch):
     monkeypatch.setenv("STUDY_ENGINE", engine)
     cases = {name: load_case(name) for name in ("woodworking", "ur5-bspline")}
     cells = make_cells(cases.values(), parse_specs(f"{SEARCHES},certified,toppra"), Budget(2, 400))
-    with Store(path, cases) as store:
-        run_cells(cells, cases, store, jobs=1)
+    with Store(path) as store:
+        run_jobs(cell_jobs(cells, cases), store, workers=1)
         return store._connection.execute(f"SELECT {COLUMNS} FROM results ORDER BY 1, 2, 3").fetchall()
 
 
@@ -102,7 +102,7 @@ def test_what_a_clock_decided_says_so(planner):
     velocity, acceleration, _ = case.problem.limits.rates
     problem = replace(case.problem, limits=JointLimits(velocity, acceleration, np.full(case.problem.n_joints, 60.0)))
     cell = make_cells([case], parse_specs(planner), Budget(1, 50, 1e-4))[0]
-    result = execute(Task(cell, problem))
+    result = CellJob(cell, problem).run()
     assert result.status in (Status.TIMED_OUT, Status.FAILED)
     assert result.status is not Status.FAILED or "time" in result.message.lower()
     if result.status is Status.TIMED_OUT:

@@ -10,7 +10,7 @@ from study.analysis.case_summary import summarise
 from study.bench.measuring import Ratio, interleaved
 from study.cases.library import load_case
 from study.runs.environment import environment
-from study.runs.execute import Task, execute
+from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
 
 TOPIC = "Report and recording"
@@ -25,7 +25,7 @@ def output_rows(repetitions: int) -> list[Ratio]:
 
     case = load_case(CASE)
     cells = make_cells([case], [Spec(name) for name in PLANNERS], Budget(seeds=2, evaluations=500))
-    results = [execute(Task(cell, case.problem)) for cell in cells]
+    results = [CellJob(cell, case.problem).run() for cell in cells]
     summaries = summarise({case.name: case}, results)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)

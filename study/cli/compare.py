@@ -10,7 +10,6 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.progress import TaskID
 
 from study.analysis.case_summary import summarise
 from study.api import COMPARED
@@ -19,17 +18,31 @@ from study.cases.obstacles import may_be_driven, nearest
 from study.cases.own_case import bare_content
 from study.cli.inputs import LimitFiles, is_bare, load_any
 from study.cli.own import FORMS, Accept, Rate, Units, no_motion, trajectory_file, warn
-from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, audit_flags, make_console, run_missing, show
-from study.cli.terminal import progress
+from study.cli.shared import (
+    DEFAULT_OUT,
+    STORE_NAME,
+    Dask,
+    Fresh,
+    Memory,
+    Out,
+    Workers,
+    audit_flags,
+    make_console,
+    run_missing,
+    show,
+)
 from study.datafiles import make_file
-from study.errors import Interrupted, StudyError
+from study.errors import StudyError
 from study.io.export import write_motion
 from study.io.filenames import file_stem
 from study.registry import unavailable_planners
 from study.runs.environment import environment
+from study.runs.execute import cell_jobs, stored_results
+from study.runs.job import Job
 from study.runs.lineup import Budget, make_cells, parse_specs
+from study.runs.remembered import remember_lineup, remembered_lineup
 from study.store.results import Result
-from study.store.store import Store, remembered_lineup
+from study.store.store import Store
 
 
 def compare(
@@ -61,24 +74,28 @@ def compare(
         bool, typer.Option("--full", help="Without FILE: the papers' own budgets and 30 repetitions of everything.")
     ] = False,
     accept: Accept = False,
+    fresh: Fresh = False,
+    memory: Memory = None,
+    dask: Dask = None,
 ) -> None:
     """Put your own problem to several planners, or, without FILE, compare the papers' searches with tests and an audit.
 
     With FILE it leaves tables, report, recording and the best trajectory. Without, pages with targets, tests, the
     invariance audit, ablations and the papers' claims; what is stored is not run again.
     """
+    workers = Workers.of(jobs, fresh, memory, dask)
     if file is None:
-        _compare_papers(cases, out, full, seeds, jobs)
+        _compare_papers(cases, out, full, seeds, workers)
         return
     seeds = 3 if seeds is None else seeds
     case, console = load_any(file, units, limits or []), make_console()
     warn(case, console)
     source = str(file.resolve()) if not is_bare(file) else _kept_case(case, file, units, limits or [], out)
     cells = make_cells([case], _compared(planners), Budget(seeds, evaluations, time_limit))
-    with Store(out / STORE_NAME, {case.name: case}) as store:
-        store.remember_lineup(cells, {case.name: source})
-        run_missing(cells, {case.name: case}, store, jobs, console)
-        results = store.results(cells)
+    with Store(out / STORE_NAME) as store:
+        remember_lineup(store, cells, {case.name: source})
+        run_missing(cell_jobs(cells, {case.name: case}), store, console, workers)
+        results = stored_results(store, cells, {case.name: case})
     show({case.name: case}, results, out, console, report)
     best = _best(case, results, console)
     if best is None or best.motion is None:
@@ -90,19 +107,14 @@ def compare(
         console.print(f"trajectory: {path}", soft_wrap=True)
 
 
-def _compare_papers(cases: list[str] | None, out: Path, full: bool, seeds: int | None, jobs: int | None) -> None:
+def _compare_papers(cases: list[str] | None, out: Path, full: bool, seeds: int | None, workers: Workers) -> None:
     names = [name.strip() for text in cases or () for name in text.split(",") if name.strip()]
     chosen = {case.name: case for case in map(load_case, names or case_names(default_only=True))}
-    try:
-        _build_pages(chosen, out / STORE_NAME, full, seeds, jobs)
-    except KeyboardInterrupt:
-        raise Interrupted(
-            f"interrupted; what was run is stored in {out / STORE_NAME}: run the same command again to go on"
-        ) from None
+    _build_pages(chosen, out / STORE_NAME, full, seeds, workers)
     _link_comparison(out)
 
 
-def _build_pages(cases: Mapping[str, Case], store: Path, full: bool, seeds: int | None, jobs: int | None) -> None:
+def _build_pages(cases: Mapping[str, Case], path: Path, full: bool, seeds: int | None, workers: Workers) -> None:
     """Run what is missing and write the pages beside the store, in `report/comparison`."""
     from study.comparison import sentences  # here: the comparison is slow to import
     from study.comparison.build import compare
@@ -114,19 +126,16 @@ def _build_pages(cases: Mapping[str, Case], store: Path, full: bool, seeds: int 
         raise StudyError(f"a comparison on paired seeds needs at least 2 seeds, got {seeds}")
     if seeds is not None:
         effort = replace(effort, seeds=seeds, trial_seeds=seeds, function_seeds=seeds)
-    with progress(console) as bar:
-        tasks: dict[str, TaskID] = {}
+    with Store(path) as store:
 
-        def told(part: str, done: int, total: int) -> None:
-            if part not in tasks:
-                tasks[part] = bar.add_task(part, total=total)
-            bar.update(tasks[part], completed=done)
+        def run(part: str, wanted: Sequence[Job[Any]]) -> None:
+            run_missing(wanted, store, console, workers, word=f"jobs of the {part}")
 
-        findings = compare(cases, effort, store, jobs, told)
+        findings = compare(cases, effort, store, run)
     with console.status("writing the pages"):
         from study.comparison.pages import write_pages  # here: matplotlib is slow to import
 
-        page = write_pages(findings, store.parent / "report" / "comparison", environment())
+        page = write_pages(findings, path.parent / "report" / "comparison", environment())
     for sentence in sentences.summary(findings):
         console.print(sentence, soft_wrap=True)
     console.print(f"comparison: {page}", soft_wrap=True)
@@ -141,8 +150,8 @@ def _link_comparison(out: Path) -> None:
 
     cells, sources = remembered_lineup(out / STORE_NAME)
     cases = {name: load_case(source) for name, source in sources.items()}
-    with Store(out / STORE_NAME, cases, write=False) as store:
-        results = store.results(cells)
+    with Store(out / STORE_NAME, write=False) as store:
+        results = stored_results(store, cells, cases)
     if results:
         build_report(summarise(cases, results), out / "report", environment(), audit_flags(out), sources)
 

@@ -11,7 +11,9 @@ from study.analysis.case_summary import summarise
 from study.cases.library import load_case
 from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, make_console, recording_file
 from study.errors import StudyError
-from study.store.store import Store, remembered_lineup
+from study.runs.execute import stored_results
+from study.runs.remembered import remembered_lineup
+from study.store.store import Store
 
 
 def pictures(
@@ -34,8 +36,8 @@ def pictures(
     loaded = cases[case]
     if joint > loaded.problem.n_joints:
         raise StudyError(f"case {case!r} has {loaded.problem.n_joints} joints, got joint {joint}")
-    with Store(out / STORE_NAME, cases, write=False) as store:
-        summaries = {each.case.name: each for each in summarise(cases, store.results(cells))}
+    with Store(out / STORE_NAME, write=False) as store:
+        summaries = {each.case.name: each for each in summarise(cases, stored_results(store, cells, cases))}
     from study.recording import picture, record_case
     from study.report.pictures import (  # here: matplotlib and rerun are slow to import
         midway,

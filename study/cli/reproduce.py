@@ -11,23 +11,23 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from study.cli.shared import DEFAULT_OUT, Out, make_console
-from study.cli.terminal import progress
+from study.cli.shared import DEFAULT_OUT, STORE_NAME, Dask, Fresh, Memory, Out, Workers, make_console, run_missing
 from study.datafiles import data_folder
 from study.errors import StudyError
 from study.reproduction.book import PAPERS, SHORT, Entry, entries_of, jobs_of, paper_named
 from study.reproduction.effort import FULL, QUICK, Effort
-from study.reproduction.jobs import Job, Runs, run_all
+from study.reproduction.jobs import Runs
 from study.reproduction.page import write_index, write_paper
 from study.reproduction.verdicts import CLAIM, Outcome
 from study.runs.environment import environment
+from study.store.store import Store
 
 COMMITTED = ("paper", "place", "row", "column", "printed", "verdict")
 Key = tuple[str, str, str, str]
 
 
 def reproduce(
-    papers: Sequence[str], effort: Effort, out: Path, jobs: int | None, console: Console
+    papers: Sequence[str], effort: Effort, out: Path, workers: Workers, console: Console
 ) -> dict[str, tuple[Entry, ...]]:
     """Run what is missing, rule, and write the pages.
 
@@ -37,9 +37,8 @@ def reproduce(
         Keys of the papers.
     effort : Effort
     out : Path
-        Its folders `reproduction-cache` and `report/reproduction` are written.
-    jobs : int, optional
-        Worker processes; all processors by default.
+        Its results file and its folder `report/reproduction` are written.
+    workers : Workers
     console : Console
 
     Returns
@@ -48,7 +47,10 @@ def reproduce(
         Everything that the papers print, with its ruling.
     """
     begun = time.perf_counter()
-    runs = _run(jobs_of(papers, effort), out / "reproduction-cache", jobs, console)
+    wanted = sorted(dict.fromkeys(jobs_of(papers, effort)), key=lambda job: -job.weight)
+    with Store(out / STORE_NAME) as store:
+        run_missing(wanted, store, console, workers, word="runs")
+        runs = Runs(store.outcomes(wanted))
     entries = {paper: entries_of(paper, runs, effort) for paper in papers}
     pages = out / "report" / "reproduction"
     facts = {**environment(), "effort": effort.label}
@@ -58,16 +60,6 @@ def reproduce(
         index = write_index(entries, effort, pages, facts)
     console.print(f"pages: {index}", f"{time.perf_counter() - begun:.0f} s", sep="\n", soft_wrap=True)
     return entries
-
-
-def _run(wanted: list[Job], cache: Path, workers: int | None, console: Console) -> Runs:
-    with progress(console) as shown:
-        task = shown.add_task("reproducing", total=len(set(wanted)))
-        runs = run_all(
-            wanted, cache, workers, lambda job: shown.update(task, advance=1, description=type(job).__name__)
-        )
-        shown.update(task, description="finished")
-    return runs
 
 
 def committed_path() -> Path:
@@ -138,6 +130,9 @@ def reproduce_command(
     commit: Annotated[
         bool, typer.Option("--commit", help="With --all: write the verdicts into the data of a checkout.")
     ] = False,
+    fresh: Fresh = False,
+    memory: Memory = None,
+    dask: Dask = None,
 ) -> None:
     """Put every printed number of a paper beside ours, with a verdict; what has been run is not run again."""
     if (paper is None) != all_papers:
@@ -148,7 +143,7 @@ def reproduce_command(
         raise StudyError("--commit writes the verdicts of a full run: give --all, without --quick")
     console = make_console()
     papers = list(PAPERS) if paper is None else [paper_named(paper)]
-    found = reproduce(papers, QUICK if quick else FULL, out, jobs, console)
+    found = reproduce(papers, QUICK if quick else FULL, out, Workers.of(jobs, fresh, memory, dask), console)
     for name, entries in found.items():
         console.print(f"{name}: {tally(entries)}", soft_wrap=True)
     flat = [entry for entries in found.values() for entry in entries]

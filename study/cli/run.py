@@ -10,10 +10,23 @@ from typing import Annotated
 import typer
 
 from study.cases.library import Case, case_names, load_case
-from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, Workers, make_console, run_missing, show, watching
+from study.cli.shared import (
+    DEFAULT_OUT,
+    STORE_NAME,
+    Dask,
+    Fresh,
+    Memory,
+    Out,
+    Workers,
+    make_console,
+    run_missing,
+    show,
+    watching,
+)
 from study.errors import StudyError, plural
 from study.io.filenames import file_stem
 from study.registry import unavailable_planners
+from study.runs.execute import cell_jobs, stored_results
 from study.runs.lineup import (
     FULL_SEEDS,
     QUICK_EVALUATIONS,
@@ -26,7 +39,8 @@ from study.runs.lineup import (
     make_cells,
     parse_specs,
 )
-from study.store.store import Store, remembered_lineup
+from study.runs.remembered import remember_lineup, remembered_lineup
+from study.store.store import Store
 
 CaseList = Annotated[
     list[str] | None,
@@ -62,13 +76,9 @@ def run(
             "best motion so far, and every cell as soon as it is finished, with how its search got there.",
         ),
     ] = False,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Run stored cells again too.")] = False,
-    memory: Annotated[
-        int | None, typer.Option(help="MB that a worker may take beyond its libraries (Linux).", min=16)
-    ] = None,
-    dask: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Run on the workers of a Dask scheduler; `local` starts one.")
-    ] = None,
+    fresh: Fresh = False,
+    memory: Memory = None,
+    dask: Dask = None,
 ) -> None:
     """Run every case with every planner, then write tables, report and recordings.
 
@@ -77,17 +87,17 @@ def run(
     loaded = _cases(cases)
     budget = _budget(seeds, evaluations, full, time_limit)
     lineup = _lineup(planners)
-    workers = Workers(fresh, None if memory is None else memory * 10**6, dask)
+    workers = Workers.of(jobs, fresh, memory, dask)
     cells = make_cells([case for case, _ in loaded.values()], lineup, budget)
     chosen = {name: case for name, (case, _) in loaded.items()}
     console = make_console()
-    with Store(out / STORE_NAME, chosen) as store:
-        store.remember_lineup(cells, {name: source for name, (_, source) in loaded.items()})
+    with Store(out / STORE_NAME) as store:
+        remember_lineup(store, cells, {name: source for name, (_, source) in loaded.items()})
         for reason in () if planners and planners != ["all"] else unavailable_planners().values():
             print(f"study: left out: {reason}", file=sys.stderr)
-        with watching(chosen, live, store.results(cells) if live else ()) as watch:
-            run_missing(cells, chosen, store, jobs, console, watch, workers)
-        results = store.results(cells)
+        with watching(chosen, live, stored_results(store, cells, chosen) if live else ()) as watch:
+            run_missing(cell_jobs(cells, chosen), store, console, workers, watch)
+        results = stored_results(store, cells, chosen)
     show(chosen, results, out, console, report)
 
 
@@ -135,8 +145,8 @@ def report(
     """
     cells, sources = remembered_lineup(out / STORE_NAME)
     cases = {name: load_case(source) for name, source in sources.items()}
-    with Store(out / STORE_NAME, cases, write=False) as store:
-        results = store.results(cells)
+    with Store(out / STORE_NAME, write=False) as store:
+        results = stored_results(store, cells, cases)
     if not results:
         raise StudyError(f"no stored result in {out / STORE_NAME} belongs to the last run; run `study run` first")
     show(cases, results, out, make_console(), interactive=interactive)
@@ -160,7 +170,7 @@ def view(
 
 def digest(out: Out = DEFAULT_OUT) -> None:
     """Print one checksum of all stored results, wall times left out; equal studies print the same."""
-    with Store(out / STORE_NAME, {}, write=False) as store:
+    with Store(out / STORE_NAME, write=False) as store:
         print(store.digest())
         if cut_short := store.cut_short():
             print(f"study: {plural(cut_short, 'result')} decided by a time limit may differ elsewhere", file=sys.stderr)

@@ -8,7 +8,7 @@ from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -20,10 +20,12 @@ from study.errors import Interrupted
 from study.io.filenames import file_stem
 from study.runs.dask import dask_executor
 from study.runs.environment import environment
+from study.runs.job import Job
 from study.runs.progress import Progress
-from study.runs.runner import RunOptions, default_jobs, run_cells
-from study.store.results import Cell, Result
-from study.store.store import Store, remembered_lineup
+from study.runs.remembered import remembered_lineup
+from study.runs.runner import RunOptions, default_jobs, run_jobs
+from study.store.results import Result
+from study.store.store import Store
 
 DEFAULT_OUT = Path("study-output")
 STORE_NAME = "results.sqlite"
@@ -31,33 +33,46 @@ INFEASIBLE = 3
 """Exit status where no feasible motion was found."""
 
 Out = Annotated[Path, typer.Option("--out", help="Folder of the results, the report and the recordings.")]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Run stored cells again too.")]
+Memory = Annotated[int | None, typer.Option(help="MB that a worker may take beyond its libraries (Linux).", min=16)]
+Dask = Annotated[
+    str | None, typer.Option(metavar="ADDRESS", help="Run on the workers of a Dask scheduler; `local` starts one.")
+]
 
 
 @dataclass(frozen=True)
 class Workers:
-    """Processes that run cells, and how.
+    """Processes that run jobs, and how.
 
     Attributes
     ----------
+    count : int, optional
+        One for each processor by default.
     fresh : bool
-        Whether stored cells are run again.
+        Whether stored jobs are run again.
     memory : int, bytes, optional
         Limit of every worker.
     dask : str, optional
         Address of a scheduler, or `local`; None for processes of our own.
     """
 
+    count: int | None = None
     fresh: bool = False
     memory: int | None = None
     dask: str | None = None
 
+    @staticmethod
+    def of(count: int | None, fresh: bool, memory: int | None, dask: str | None) -> Workers:
+        """Take the options of a command; memory in MB."""
+        return Workers(count, fresh, None if memory is None else memory * 10**6, dask)
+
     @contextmanager
-    def executor(self, jobs: int | None) -> Iterator[Executor | None]:
+    def executor(self) -> Iterator[Executor | None]:
         """Connect to the workers; None where the runner starts its own."""
         if self.dask is None:
             yield None
             return
-        with dask_executor(self.dask, default_jobs() if jobs is None else jobs) as executor:
+        with dask_executor(self.dask, self.count or default_jobs()) as executor:
             yield executor
 
 
@@ -67,14 +82,14 @@ class Watch:
 
     Attributes
     ----------
-    finished : callable (result)
-        Told of every result once it is stored.
-    progress : callable (cell, progress), optional
+    finished : callable (job, outcome)
+        Told of every outcome once it is stored.
+    progress : callable (job, progress), optional
         Told a few times a second where the running searches stand.
     """
 
-    finished: Callable[[Result], None] = lambda result: None
-    progress: Callable[[Cell, Progress], None] | None = None
+    finished: Callable[[Any, Any], None] = lambda job, outcome: None
+    progress: Callable[[Any, Progress], None] | None = None
 
 
 def make_console() -> Console:
@@ -87,41 +102,51 @@ def make_console() -> Console:
 
 
 def run_missing(
-    cells: Sequence[Cell],
-    cases: Mapping[str, Case],
+    jobs: Sequence[Job[Any]],
     store: Store,
-    jobs: int | None,
     console: Console,
+    workers: Workers,
     watch: Watch | None = None,
-    workers: Workers | None = None,
+    word: str = "cells",
 ) -> None:
-    """Run the cells that are not stored yet, with a bar.
+    """Run the jobs that are not stored yet, with a bar.
+
+    Parameters
+    ----------
+    jobs : sequence of Job
+    store : Store
+    console : Console
+    workers : Workers
+    watch : Watch, optional
+    word : str
+        Name of the jobs for people.
 
     Raises
     ------
     Interrupted
         On Ctrl-C.
     """
-    workers, watch = workers or Workers(), watch or Watch()
-    missing = list(cells) if workers.fresh else store.missing(cells)
-    console.print(f"{len(cells)} cells, {len(cells) - len(missing)} of them stored already")
+    watch = watch or Watch()
+    missing = list(jobs) if workers.fresh else store.missing(jobs)
+    console.print(f"{len(jobs)} {word}, {len(jobs) - len(missing)} of them stored already")
     done = 0
     with terminal.progress(console) as progress:
         task = progress.add_task("running", total=len(missing))
 
-        def finished(result: Result) -> None:
+        def finished(job: Job[Any], outcome: Any) -> None:
             nonlocal done
             done += 1
-            progress.update(task, advance=1, description=f"{result.cell.case}: {result.cell.label}")
-            watch.finished(result)
+            progress.update(task, advance=1, description=f"{job.subject}: {job.label}")
+            watch.finished(job, outcome)
 
         try:
-            with workers.executor(jobs) as executor:
+            with workers.executor() as executor:
                 options = RunOptions(workers.fresh, workers.memory, watch.progress)
-                run_cells(missing, cases, store, executor=executor, jobs=jobs, options=options, on_result=finished)
+                count = workers.count
+                run_jobs(missing, store, executor=executor, workers=count, options=options, on_outcome=finished)
         except KeyboardInterrupt:
             raise Interrupted(
-                f"interrupted: {len(cells) - len(missing) + done} of {len(cells)} cells are stored in {store.path}; "
+                f"interrupted: {len(jobs) - len(missing) + done} of {len(jobs)} {word} are stored in {store.path}; "
                 "run the same command again to go on, or `study report` to see them"
             ) from None
         progress.update(task, description="finished")
@@ -153,8 +178,8 @@ def watching(cases: Mapping[str, Case], live: bool, known: Sequence[Result] = ()
         for result in known:
             viewer.add(cases[result.cell.case], result)
         yield Watch(
-            finished=lambda result: viewer.add(cases[result.cell.case], result),
-            progress=lambda cell, progress: viewer.show(cases[cell.case], cell, progress),
+            finished=lambda job, result: viewer.add(cases[job.subject], result),
+            progress=lambda job, progress: viewer.show(cases[job.subject], job.cell, progress),
         )
 
 

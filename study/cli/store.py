@@ -20,7 +20,7 @@ Others = Annotated[list[Path], typer.Argument(metavar="OTHER", help="Results fil
 
 @store_app.command()
 def verify(out: Out = DEFAULT_OUT) -> None:
-    """Read the whole file and compare every result and trial with its checksum; ends with 2 if one is damaged."""
+    """Read the whole file and compare every result with its checksums; ends with 2 if one is damaged."""
     count, damaged = storekeeping.verify(out / STORE_NAME)
     if damaged:
         raise StudyError(
@@ -50,19 +50,12 @@ def compact(
     out: Out = DEFAULT_OUT,
     drop_stale: Annotated[
         bool,
-        typer.Option("--drop-stale", help="Drop results of planners, and trials of searches, that have changed since."),
+        typer.Option("--drop-stale", help="Drop results of code that has changed since."),
     ] = False,
 ) -> None:
     """Rewrite the file without gaps."""
-    trials = _drop_stale_trials(out / STORE_NAME) if drop_stale else 0
     dropped, won = storekeeping.compact(out / STORE_NAME, drop_stale=drop_stale)
-    print(f"{plural(dropped, 'result')} and {plural(trials, 'trial')} dropped, {won:,} bytes won")
-
-
-def _drop_stale_trials(path: Path) -> int:
-    from study.comparison.staleness import drop_stale_trials  # here: the comparison is slow to import
-
-    return drop_stale_trials(path) if path.exists() else 0
+    print(f"{plural(dropped, 'result')} dropped, {won:,} bytes won")
 
 
 @store_app.command()
@@ -71,10 +64,10 @@ def summary(out: Out = DEFAULT_OUT) -> None:
     table = Table(title_justify="left", header_style="bold")
     for name in ("case", "planner"):
         table.add_column(name)
-    for name in ("cells", "feasible", "cut short", "best, s", "mean, s", "wall time, s"):
+    for name in ("results", "feasible", "cut short", "best, s", "mean, s", "wall time, s"):
         table.add_column(name, justify="right")
     for row in storekeeping.tallies(out / STORE_NAME):
         durations = ("-" if value is None else f"{value:.4f}" for value in (row.best, row.mean))
-        counts = (f"{count:,}" for count in (row.cells, row.feasible, row.cut_short))
-        table.add_row(row.case, row.label, *counts, *durations, f"{row.wall_time:.1f}")
+        counts = (f"{count:,}" for count in (row.count, row.feasible, row.cut_short))
+        table.add_row(row.subject or f"all of kind {row.kind}", row.label, *counts, *durations, f"{row.wall_time:.1f}")
     make_console().print(table)

@@ -18,7 +18,7 @@ from study.cases.library import Case
 from study.comparison import audit, statistics, tasks
 from study.comparison.effort import Effort
 from study.comparison.statistics import Interval
-from study.comparison.trials import Job, Trial
+from study.comparison.trials import Trial, TrialJob, repeated
 from study.search.chaotic_spso import ChaoticSPSO
 from study.search.dynamic_adaptive_pso import DynamicAdaptivePSO
 from study.search.golds_pso import GoldSPSO
@@ -130,10 +130,10 @@ ABLATIONS = (
 )
 
 
-def ablation_jobs(cases: Sequence[Case], effort: Effort) -> list[Job]:
+def ablation_jobs(cases: Sequence[Case], effort: Effort) -> list[TrialJob]:
     """List every form of every paper's search on the paper's own cases, the audit's cases and the functions."""
     audited = set(effort.audited([case.name for case in cases]))
-    jobs: list[Job] = []
+    jobs: list[TrialJob] = []
     for ablation in ABLATIONS:
         chosen = [case for case in cases if case.name in audited or case.paper == ablation.paper]
         for form, search in ablation.forms.items():
@@ -141,25 +141,17 @@ def ablation_jobs(cases: Sequence[Case], effort: Effort) -> list[Job]:
     return jobs
 
 
-def _form_jobs(name: str, search: Search[Any], cases: Sequence[Case], effort: Effort) -> list[Job]:
+def _form_jobs(name: str, search: Search[Any], cases: Sequence[Case], effort: Effort) -> list[TrialJob]:
     n, population = effort.trial_evaluations, effort.population
-    jobs = [
-        Job(
-            Trial(name, case.name, tasks.AS_IT_IS, seed, n, population, formulation="penalty"),
-            search,
-            case.problem,
-            case.curve,
-        )
-        for case in cases
-        for seed in range(effort.trial_seeds)
-    ]
-    budget = population * effort.generations
-    return jobs + [
-        Job(Trial(name, function, view, seed, budget, population, effort.dimensions), search)
-        for function in FUNCTIONS
-        for view in VIEWS
-        for seed in range(effort.trial_seeds)
-    ]
+    jobs: list[TrialJob] = []
+    for case in cases:
+        trial = Trial(name, case.name, tasks.AS_IT_IS, 0, n, population, formulation="penalty")
+        jobs += repeated(trial, search, effort.trial_seeds, case.problem, case.curve)
+    for function in FUNCTIONS:
+        for view in VIEWS:
+            trial = Trial(name, function, view, 0, population * effort.generations, population, effort.dimensions)
+            jobs += repeated(trial, search, effort.trial_seeds)
+    return jobs
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from study.analysis.formatting import ratio as times
 from study.cases.library import Case
 from study.comparison import statistics, tasks
 from study.comparison.effort import Effort
-from study.comparison.trials import Job, Outcome, Trial
+from study.comparison.trials import Trial, TrialJob, TrialOutcome, repeated
 from study.planners.segment_times import SegmentTimePlanner
 from study.registry import planner_named, planner_names, unavailable_planners
 from study.search.state import Search
@@ -32,7 +32,7 @@ AXES = "↻"
 """Marks a search whose error grows beyond the alarm when the axes are turned."""
 
 SIGNIFICANT = 0.05
-Outcomes = Mapping[Trial, Outcome]
+Outcomes = Mapping[Trial, TrialOutcome]
 
 
 def audited_searches(printed: bool) -> dict[str, Search[Any]]:
@@ -46,15 +46,17 @@ def audited_searches(printed: bool) -> dict[str, Search[Any]]:
     }
 
 
-def function_jobs(searches: Mapping[str, Search[Any]], effort: Effort) -> list[Job]:
+def function_jobs(searches: Mapping[str, Search[Any]], effort: Effort) -> list[TrialJob]:
     """List every search on every view of every function, from every seed."""
     budget = effort.population * effort.generations
     return [
-        Job(Trial(name, function, view, seed, budget, effort.population, effort.dimensions), search)
+        job
         for name, search in searches.items()
         for function in effort.functions
         for view in (tasks.FUNCTION_VIEWS if function in effort.dosed else (tasks.ORIGIN, tasks.SHIFTED, tasks.ROTATED))
-        for seed in range(effort.function_seeds)
+        for job in repeated(
+            Trial(name, function, view, 0, budget, effort.population, effort.dimensions), search, effort.function_seeds
+        )
     ]
 
 
@@ -63,18 +65,22 @@ def trajectory_jobs(
     cases: Iterable[Case],
     effort: Effort,
     formulations: Sequence[str],
-) -> list[Job]:
+) -> list[TrialJob]:
     """List every search on every view of every case's durations, from every seed."""
     n, population = effort.trial_evaluations, effort.population
     return [
-        Job(
-            Trial(name, case.name, view, seed, n, population, formulation=formulation), search, case.problem, case.curve
-        )
+        job
         for name, search in searches.items()
         for case in cases
         for formulation in formulations
         for view in tasks.TRAJECTORY_VIEWS
-        for seed in range(effort.trial_seeds)
+        for job in repeated(
+            Trial(name, case.name, view, 0, n, population, formulation=formulation),
+            search,
+            effort.trial_seeds,
+            case.problem,
+            case.curve,
+        )
     ]
 
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from study.cases.library import Case
 from study.comparison import ablations, audit, claims, differences, performance, statistics
@@ -21,16 +19,14 @@ from study.comparison.contestants import (
     solver_cells,
 )
 from study.comparison.effort import Effort
-from study.comparison.trials import Job
-from study.comparison.trialstore import TrialStore, run_jobs
-from study.runs.pool import WorkerPool
-from study.runs.runner import default_jobs, run_cells
-from study.store.results import Cell, Result
+from study.comparison.trials import TrialJob
+from study.runs.execute import cell_jobs, stored_results
+from study.runs.job import Job
 from study.store.store import Store
 
 FLAGS = "flags"
-Progress = Callable[[str, int, int], None]
-"""Told of every part: its name, how many are done and how many there are."""
+Run = Callable[[str, Sequence[Job[Any]]], None]
+"""Runs the jobs of a part that are not stored yet."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,24 +71,16 @@ class Comparison:
     failures: Mapping[str, int]
 
 
-def compare(
-    cases: Mapping[str, Case],
-    effort: Effort,
-    store_path: Path,
-    jobs: int | None = None,
-    progress: Progress = lambda part, done, total: None,
-) -> Comparison:
+def compare(cases: Mapping[str, Case], effort: Effort, store: Store, run: Run) -> Comparison:
     """Run what the store does not have and draw all findings; the numbers depend on what is stored only.
 
     Parameters
     ----------
     cases : mapping of str to Case
     effort : Effort
-    store_path : Path
-        The results file; made if need be.
-    jobs : int, optional
-        Worker processes; all processors by default.
-    progress : callable, optional
+    store : Store
+    run : callable (part, jobs)
+        Runs those of a part's jobs that are not stored.
 
     Raises
     ------
@@ -104,14 +92,13 @@ def compare(
     cells = {level: level_cells(chosen, level, effort) for level in LEVELS}
     own, solving = claims.claim_cells(chosen, effort), solver_cells(chosen, effort)
     wanted = list(dict.fromkeys([*own, *solving, *(cell for group in cells.values() for cell in group)]))
-    runs = _planned(wanted, cases, store_path, jobs, progress)
-    parts = trial_jobs(chosen, effort)
-    with TrialStore(store_path) as store, _pool(jobs) as pool:
-        outcomes = {name: _tried(name, part, store, pool, progress) for name, part in parts.items()}
-        functions = audit.function_findings(outcomes["functions"])
-        trajectories = audit.trajectory_findings(outcomes["trajectories"])
-        flags = audit.flags_of(functions, trajectories)
-        store.note(FLAGS, json.dumps(flags, sort_keys=True))
+    run("planners", cell_jobs(wanted, cases))
+    runs = {result.cell: result for result in stored_results(store, wanted, cases)}
+    outcomes = {name: _tried(name, part, store, run) for name, part in trial_jobs(chosen, effort).items()}
+    functions = audit.function_findings(outcomes["functions"])
+    trajectories = audit.trajectory_findings(outcomes["trajectories"])
+    flags = audit.flags_of(functions, trajectories)
+    store.note(FLAGS, flags)
     known = references(chosen, runs)
     levels = {level: contestants(runs, group, level) for level, group in cells.items()}
     rankings = [differences.omnibus(found, known, level) for level, found in levels.items()]
@@ -133,7 +120,7 @@ def compare(
     )
 
 
-def trial_jobs(cases: Sequence[Case], effort: Effort) -> dict[str, list[Job]]:
+def trial_jobs(cases: Sequence[Case], effort: Effort) -> dict[str, list[TrialJob]]:
     """List the trials of the audit and the ablations."""
     searches = audit.audited_searches(effort.printed)
     audited = [case for case in cases if case.name in effort.audited([one.name for one in cases])]
@@ -159,46 +146,20 @@ def flags(store_path: Path) -> dict[str, str]:
     """
     if not store_path.exists():
         return {}
-    with TrialStore(store_path, write=False) as store:
-        text = store.noted(FLAGS)
-    return {} if text is None else dict(json.loads(text))
+    with Store(store_path, write=False) as store:
+        return dict(store.noted(FLAGS) or {})
 
 
-def _planned(
-    cells: Sequence[Cell], cases: Mapping[str, Case], path: Path, jobs: int | None, progress: Progress
-) -> dict[Cell, Result]:
-    """Run the planners' cells that are missing; results of all by cell."""
-    with Store(path, cases) as store:
-        done = len(cells) - len(store.missing(cells))
-
-        def finished(result: Result) -> None:
-            nonlocal done
-            done += 1
-            progress("planners", done, len(cells))
-
-        progress("planners", done, len(cells))
-        run_cells(cells, cases, store, jobs=jobs, on_result=finished)
-        return {result.cell: result for result in store.results(cells)}
-
-
-def _tried(name: str, jobs: Sequence[Job], store: TrialStore, pool: Executor, progress: Progress) -> audit.Outcomes:
-    return run_jobs(jobs, store, pool, lambda done: progress(name, done, len(jobs)))
-
-
-@contextmanager
-def _pool(jobs: int | None) -> Iterator[Executor]:
-    """Worker processes, started when first needed and ended at once, whatever ends the block."""
-    pool = WorkerPool(default_jobs() if jobs is None else jobs)
-    try:
-        yield pool
-    finally:
-        pool.shutdown(cancel_futures=True)
+def _tried(name: str, jobs: Sequence[TrialJob], store: Store, run: Run) -> audit.Outcomes:
+    run(name, jobs)
+    ends = zip(jobs, (ends for _, ends in store.outcomes(jobs)), strict=True)
+    return {trial: end for job, several in ends for trial, end in zip(job.trials, several, strict=True)}
 
 
 def _failures(outcomes: Iterable[audit.Outcomes]) -> dict[str, int]:
     counts: dict[str, int] = {}
     for part in outcomes:
-        for trial, one in part.items():
-            if one.reason:
+        for trial, end in part.items():
+            if end.reason:
                 counts[trial.search] = counts.get(trial.search, 0) + 1
     return counts

@@ -29,6 +29,7 @@ from study.problem import EndCondition, Floats, JointLimits, Problem
 from study.robots import Robot, inverse, robot_named
 from study.trajectory import Motion
 
+ROBOT = "puma560"
 METHODS = ("rrt", "rrt with shortcuts", "rrt-connect with shortcuts")
 
 
@@ -112,7 +113,7 @@ def attempt(method: str, seed: int, settings: RunSettings, scene: Scene | None =
     if method not in METHODS:
         raise StudyError(f"no pathfinding method {method!r}; known: {', '.join(METHODS)}")
     scene = scene or Scene()
-    robot = robot_named("puma560")
+    robot = robot_named(ROBOT)
     world = random_world(np.random.default_rng([seed, 0]))
     path = _path(method, world, np.random.default_rng([seed, 1]))
     problem = _problem(robot, scene.to_arm(four_waypoints(path)))

@@ -11,19 +11,22 @@ import numpy as np
 
 from study.planning import Meter
 from study.problem import Floats
-from study.reproduction.jobs import Record
+from study.reproduction.jobs import Record, RecordJob
 from study.search.loop import minimise
 from study.search.state import Box, Search
 from study.testfunctions import Benchmark, benchmarks_of, formulas
 
 POINTS = 80
+RENAMED = ("velocity=VelocityUpdate(", "flight=Flight(")
+"""Text of a search, now and when the committed verdicts were made; its random stream must stay the same."""
+
 WITHOUT_FLOOR = "without floor"
 SETTLED = 1e-3
 """A run has converged at the first generation within this share of the way from its first to its last value."""
 
 
 @dataclass(frozen=True)
-class BenchmarkCell:
+class BenchmarkJob(RecordJob):
     """One search on one benchmark function.
 
     Attributes
@@ -47,10 +50,13 @@ class BenchmarkCell:
     generations: int
     seeds: int
     start: float | None = None
-    sources: ClassVar[tuple[str, ...]] = (
-        "search", "testfunctions", "planning.py", "reproduction/benchmark_runs.py",
-    )  # fmt: skip
+    kind: ClassVar[str] = "benchmark"
     weight: ClassVar[float] = 3.0
+
+    @property
+    def subject(self) -> str:
+        """Label of the function."""
+        return self.function
 
     @property
     def benchmark(self) -> Benchmark:
@@ -62,6 +68,10 @@ class BenchmarkCell:
         minimiser = np.full(function.n_dimensions, -0.5)
         return replace(function, name="step-without-floor", formula=bare, minimiser=minimiser)
 
+    def _stream(self) -> int:
+        """Number of the random stream, by paper, function and search."""
+        return zlib.crc32(repr((self.paper, self.function, self.search)).replace(*RENAMED).encode())
+
     def run(self) -> Record:
         """Final values, generations until convergence and seconds of every seed, and the median curve."""
         function = self.benchmark
@@ -70,7 +80,7 @@ class BenchmarkCell:
             box = Box(*(np.full(function.n_dimensions, side * self.start) for side in (-1.0, 1.0)))
         finals, settled, seconds, curves = [], [], [], []
         for seed in range(self.seeds):
-            rng = np.random.default_rng([seed, zlib.crc32(repr((self.paper, self.function, self.search)).encode())])
+            rng = np.random.default_rng([seed, self._stream()])
             meter = Meter(function.objective(rng), self.population * self.generations)
             begun = time.perf_counter()
             minimise(self.search, meter, box, self.population, rng)

@@ -9,7 +9,7 @@ import numpy as np
 
 from study.cases.published import Cell, Table, tables
 from study.reproduction import arithmetic, rules
-from study.reproduction.benchmark_runs import BenchmarkCell
+from study.reproduction.benchmark_runs import BenchmarkJob
 from study.reproduction.effort import Effort
 from study.reproduction.jobs import Record, Runs
 from study.reproduction.readings import FORMS, READINGS, SHAPES, STARTS, Reading
@@ -52,10 +52,10 @@ class BenchmarkTable:
         """The printed table."""
         return tables(self.paper)["Table 3"]
 
-    def cell(self, function: str, column: str, reading: Reading, form: str | None = None) -> BenchmarkCell:
+    def cell(self, function: str, column: str, reading: Reading, form: str | None = None) -> BenchmarkJob:
         """Job of one function, column and reading."""
         population, generations = SHAPES[self.paper]
-        return BenchmarkCell(
+        return BenchmarkJob(
             self.paper,
             function,
             form or FORMS.get((self.paper, function), "standard"),
@@ -71,7 +71,7 @@ class BenchmarkTable:
         found = READINGS[self.paper][column]
         return found if self.effort.all_readings else found[:1]
 
-    def variants(self, function: str, column: str) -> Iterator[tuple[str, BenchmarkCell]]:
+    def variants(self, function: str, column: str) -> Iterator[tuple[str, BenchmarkJob]]:
         """All that is run for a function and a column: name and job, the stated reading first."""
         for reading in self.readings(column):
             yield reading.name, self.cell(function, column, reading)
@@ -98,11 +98,11 @@ class BenchmarkTable:
         """Labels of the functions in the table's order."""
         return list(dict.fromkeys(cell.row.split(",")[0] for cell in self.table.cells if "," in cell.row))
 
-    def jobs(self) -> list[BenchmarkCell]:
+    def jobs(self) -> list[BenchmarkJob]:
         """All that the table needs."""
         return [job for f in self.functions for c in self.table.columns for _, job in self.variants(f, c)]
 
-    def stated(self, function: str, column: str) -> BenchmarkCell:
+    def stated(self, function: str, column: str) -> BenchmarkJob:
         """Job of a column's stated reading on a function."""
         return self.cell(function, column, self.readings(column)[0])
 
@@ -158,7 +158,7 @@ class BenchmarkTable:
             rulings[Place("Table 3", cell.row, column)] = replace(ruling, reading=name)
         return rulings
 
-    def _compared(self, cell: Cell, role: str, job: BenchmarkCell, record: Record) -> Ruling:
+    def _compared(self, cell: Cell, role: str, job: BenchmarkJob, record: Record) -> Ruling:
         function = job.benchmark
         least = 0.0 if role == "std" or function.minimum is None else function.minimum
         return rules.stochastic(cell.printed, statistic(record["finals"], role), least, arithmetic.grain(function))

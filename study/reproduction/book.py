@@ -9,7 +9,7 @@ from study.cases.published import claims, statements, tables
 from study.errors import StudyError, unknown
 from study.reproduction.effort import Effort
 from study.reproduction.in_print import rulings_in_print
-from study.reproduction.jobs import Job, Runs
+from study.reproduction.jobs import RecordJob, Runs
 from study.reproduction.paper import Paper
 from study.reproduction.papers.aubo import Aubo
 from study.reproduction.papers.puma import Puma
@@ -66,7 +66,7 @@ class Entry:
     ruling: Ruling
 
 
-def jobs_of(papers: Iterable[str], effort: Effort) -> list[Job]:
+def jobs_of(papers: Iterable[str], effort: Effort) -> list[RecordJob]:
     """All work for some papers."""
     return [job for paper in papers for job in PAPERS[paper](effort, Runs({})).jobs()]
 

@@ -12,7 +12,7 @@ from study.cases.library import load_case
 from study.curves import curve_named
 from study.formulation import stretch
 from study.problem import Floats
-from study.reproduction.jobs import Record
+from study.reproduction.jobs import Record, RecordJob
 
 PACKAGE = "pymoo"
 
@@ -23,7 +23,7 @@ def installed() -> bool:
 
 
 @dataclass(frozen=True)
-class GeneticCell:
+class GeneticJob(RecordJob):
     """NSGA-II for one joint's segment durations.
 
     The paper does not name the objectives. Ours: total time and largest jerk, with the velocity limit as constraint; the
@@ -41,10 +41,18 @@ class GeneticCell:
     population: int
     generations: int
     seeds: int
-    sources: ClassVar[tuple[str, ...]] = (
-        "curves", "formulation.py", "polynomial.py", "problem.py", "reproduction/genetic_runs.py", "data/cases",
-    )  # fmt: skip
+    kind: ClassVar[str] = "genetic"
     weight: ClassVar[float] = 3.0
+
+    @property
+    def subject(self) -> str:
+        """Name of the case."""
+        return self.case
+
+    def inputs(self) -> object:
+        """Return the case's problem and curve, and whether there is anything to run."""
+        case = load_case(self.case)
+        return [case.problem, case.curve, installed()]
 
     def run(self) -> Record:
         """Durations of every seed; empty without pymoo."""

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from study.problem import Floats
-from study.reproduction.jobs import Record
+from study.reproduction.jobs import MEASURED, Record, RecordJob
 from study.robots import BRANCHES, SOLVERS, robot_named
 from study.robots.helix import BRANCH
 
@@ -18,7 +18,7 @@ ROBOT = "ur5e-ssa"
 
 
 @dataclass(frozen=True)
-class InverseTiming:
+class KinematicsJob(RecordJob):
     """Seconds per pose of four ways to solve the same poses.
 
     Attributes
@@ -30,11 +30,20 @@ class InverseTiming:
 
     poses: int = 400
     repeats: int = 7
-    sources: ClassVar[tuple[str, ...]] = ("robots", "reproduction/kinematics_runs.py", "data/robots")
+    kind: ClassVar[str] = "kinematics"
     weight: ClassVar[float] = 2.0
 
+    @property
+    def subject(self) -> str:
+        """Name of the robot."""
+        return ROBOT
+
+    def inputs(self) -> object:
+        """Return the robot."""
+        return robot_named(ROBOT)
+
     def run(self) -> Record:
-        """Seconds per pose: `scalar` (one pose per call) and `vectorised` (all poses in one call), `eight` and `one`."""
+        """Measure seconds per pose: `scalar` (one pose per call) and `vectorised` (all in one call), `eight` and `one`."""
         robot = robot_named(ROBOT)
         configurations = np.random.default_rng(5).uniform(-2.8, 2.8, (self.poses, robot.n_joints))
         targets = robot.forward(configurations)
@@ -51,7 +60,7 @@ class InverseTiming:
         for name, way in (("eight", eight), ("one", one)):
             found[f"vectorised {name}"] = self._seconds(lambda way=way: way(targets))  # type: ignore[misc]
             found[f"scalar {name}"] = self._seconds(lambda way=way: [way(pose[None]) for pose in targets])  # type: ignore[misc]
-        return found
+        return {MEASURED: found}
 
     def _seconds(self, work: Callable[[], object]) -> float:
         times = []

@@ -16,17 +16,18 @@ from study.planning import Plan, RunSettings, Synchronisation
 from study.problem import Floats, Problem
 from study.registry import planner_named
 from study.reproduction.benchmark_runs import settled_at, thinned
-from study.reproduction.jobs import Record
+from study.reproduction.jobs import Record, RecordJob
 from study.search.state import Search
 from study.trajectory import Motion
 
 REFERENCE = "casadi-nlp"
 """Registry name of the deterministic reference on the paper's curve."""
 
-_MODEL = (
-    "problem.py", "polynomial.py", "trajectory.py", "judge.py", "planning.py", "formulation.py", "curves", "search",
-    "planners/segment_times.py", "reproduction/motion_runs.py", "data/cases",
-)  # fmt: skip
+
+def case_content(name: str) -> list[object]:
+    """Problem, curve and settings of a case: all that a run of ours takes from it."""
+    case = load_case(name)
+    return [case.problem, case.curve, case.settings]
 
 
 def problem_of(case: Case, joint: int | None) -> Problem:
@@ -35,7 +36,7 @@ def problem_of(case: Case, joint: int | None) -> Problem:
 
 
 @dataclass(frozen=True)
-class MotionCell:
+class MotionJob(RecordJob):
     """A search for segment durations on a case.
 
     Attributes
@@ -53,8 +54,17 @@ class MotionCell:
     population: int
     generations: int
     seeds: int
-    sources: ClassVar[tuple[str, ...]] = _MODEL
+    kind: ClassVar[str] = "motion"
     weight: ClassVar[float] = 4.0
+
+    @property
+    def subject(self) -> str:
+        """Name of the case."""
+        return self.case
+
+    def inputs(self) -> object:
+        """Return the case's problem, curve and settings."""
+        return case_content(self.case)
 
     def run(self) -> Record:
         """Durations, objective values and generations until convergence of every seed, and the median curve."""
@@ -78,7 +88,7 @@ class MotionCell:
 
 
 @dataclass(frozen=True)
-class OptimumCell:
+class OptimumJob(RecordJob):
     """The fastest motion on the paper's curve, by the deterministic reference.
 
     Attributes
@@ -89,8 +99,26 @@ class OptimumCell:
 
     case: str
     joint: int | None = None
-    sources: ClassVar[tuple[str, ...]] = _MODEL
+    kind: ClassVar[str] = "optimum"
     weight: ClassVar[float] = 1.0
+
+    @property
+    def subject(self) -> str:
+        """Name of the case."""
+        return self.case
+
+    @property
+    def method(self) -> str:
+        """Registry name of the reference."""
+        return REFERENCE
+
+    def inputs(self) -> object:
+        """Return the case's problem, curve and settings."""
+        return case_content(self.case)
+
+    def planners(self) -> tuple[str, ...]:
+        """Name the reference."""
+        return (REFERENCE,)
 
     def run(self) -> Record:
         """Durations and total in s; the message of the solver."""

@@ -13,8 +13,8 @@ from study.cases.published import Claim, Table, claims, tables
 from study.problem import Floats
 from study.reproduction.benchmark_table import BenchmarkTable
 from study.reproduction.effort import Effort
-from study.reproduction.jobs import Job, Record, Runs
-from study.reproduction.motion_runs import MotionCell, OptimumCell, Summary, summarised, synchronised
+from study.reproduction.jobs import Record, RecordJob, Runs
+from study.reproduction.motion_runs import MotionJob, OptimumJob, Summary, summarised, synchronised
 from study.reproduction.verdicts import Rulings
 
 
@@ -58,7 +58,7 @@ class Paper(Protocol):
     def __init__(self, effort: Effort, runs: Runs) -> None:
         """Take the effort, and the records of the jobs; none are needed to name the jobs."""
 
-    def jobs(self) -> list[Job]:
+    def jobs(self) -> list[RecordJob]:
         """All work that the paper's page needs."""
 
     def rulings(self) -> Rulings:
@@ -104,20 +104,20 @@ class PaperRuns:
 
     def fastest(self, case: str, joint: int | None = None) -> float:
         """Shortest duration on the paper's curve, s, by the deterministic reference."""
-        return float(self.runs[OptimumCell(case, joint)]["total"])
+        return float(self.runs[OptimumJob(case, joint)]["total"])
 
-    def line(self, job: Job) -> tuple[Sequence[float], Sequence[float]]:
+    def line(self, job: RecordJob) -> tuple[Sequence[float], Sequence[float]]:
         """Median best value against generations of a job's record."""
         return line_of(self.runs[job])
 
-    def timed(self, case: str, cells: Sequence[MotionCell], joint: int | None = None) -> Summary | None:
-        """Our feasible runs: of one cell, or of one cell for each joint put together as the papers do."""
-        records = [self.runs[cell] for cell in cells]
-        per_seed = np.array(records[0]["durations"]) if len(cells) == 1 else synchronised(records)
+    def timed(self, case: str, jobs: Sequence[MotionJob], joint: int | None = None) -> Summary | None:
+        """Our feasible runs: of one job, or of one job for each joint put together as the papers do."""
+        records = [self.runs[job] for job in jobs]
+        per_seed = np.array(records[0]["durations"]) if len(jobs) == 1 else synchronised(records)
         return summarised(load_case(case), per_seed, joint)
 
     def drive(self, case: str, printed: Floats, label: str, ours: Summary | None) -> Drive:
         """Printed, ours and fastest motion of all joints together."""
         own = [] if ours is None else [(f"{label}, ours", ours.durations)]
-        fastest = np.array(self.runs[OptimumCell(case)]["durations"])
+        fastest = np.array(self.runs[OptimumJob(case)]["durations"])
         return Drive(case, [("printed", printed), *own, ("fastest on this curve", fastest)])

@@ -6,21 +6,22 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from study.errors import StudyError
-from study.planners.rrt_spso import attempt
+from study.planners.rrt_spso import ROBOT, attempt
 from study.planning import RunSettings, Synchronisation
-from study.reproduction.jobs import Record
+from study.reproduction.jobs import Record, RecordJob
+from study.robots import robot_named
 
 CHUNK = 10
 """Worlds in one job."""
 
 
 @dataclass(frozen=True)
-class PathAttempts:
+class PathJob(RecordJob):
     """The pipeline in some worlds.
 
     Attributes
     ----------
-    method : str
+    pathfinder : str
         A name in `study.planners.rrt_spso.METHODS`.
     first, count : int
         Seeds of the worlds.
@@ -28,16 +29,27 @@ class PathAttempts:
         Of the search for durations.
     """
 
-    method: str
+    pathfinder: str
     first: int
     count: int
     population: int
     generations: int
-    sources: ClassVar[tuple[str, ...]] = (
-        "pathfinding", "robots", "planners", "search", "curves", "formulation.py", "polynomial.py", "trajectory.py",
-        "planning.py", "problem.py", "reproduction/path_runs.py", "data/robots",
-    )  # fmt: skip
+    kind: ClassVar[str] = "path"
     weight: ClassVar[float] = 12.0
+
+    @property
+    def subject(self) -> str:
+        """Name of the robot."""
+        return ROBOT
+
+    @property
+    def method(self) -> str:
+        """Name of the pathfinder."""
+        return self.pathfinder
+
+    def inputs(self) -> object:
+        """Return the robot."""
+        return robot_named(ROBOT)
 
     def run(self) -> Record:
         """Clearances, durations and path lengths, world by world; a world without a motion counts as failed."""
@@ -51,7 +63,7 @@ class PathAttempts:
                 synchronisation=Synchronisation.PER_JOINT,
             )
             try:
-                tried = attempt(self.method, seed, settings)
+                tried = attempt(self.pathfinder, seed, settings)
             except StudyError as error:
                 found["failed"].append(f"world {seed}: {error}")
                 continue
@@ -63,9 +75,8 @@ class PathAttempts:
         return found
 
 
-def attempts(method: str, worlds: int, population: int, generations: int) -> list[PathAttempts]:
+def attempts(method: str, worlds: int, population: int, generations: int) -> list[PathJob]:
     """Jobs that together cover so many worlds."""
     return [
-        PathAttempts(method, first, min(CHUNK, worlds - first), population, generations)
-        for first in range(0, worlds, CHUNK)
+        PathJob(method, first, min(CHUNK, worlds - first), population, generations) for first in range(0, worlds, CHUNK)
     ]

@@ -1,4 +1,4 @@
-"""Where cells run when one machine is too small: the workers of a Dask scheduler."""
+"""The workers of a Dask scheduler, for jobs that are too many for one machine."""
 
 from __future__ import annotations
 
@@ -9,14 +9,13 @@ from typing import Any
 
 from study.engine import chosen
 from study.errors import StudyError
-from study.registry import planner_code, planner_names, unavailable_planners
 
 LOCAL = "local"
 PATIENCE = 20
 """Seconds to wait for a scheduler, and for its first worker."""
 
 RETRIES = 3
-"""How often a cell is tried again after the machine that ran it was lost."""
+"""Number of times that a job is tried again after the machine that ran it was lost."""
 
 
 @contextmanager
@@ -46,7 +45,7 @@ def dask_executor(address: str, jobs: int) -> Iterator[Executor]:
         except (OSError, ValueError, TimeoutError) as error:
             reason = " ".join(str(error).split())
             raise StudyError(f"no Dask workers at {address}: {reason}; start a scheduler and workers first") from error
-        _check_code(client.run(installed_code))
+        _check_kernels(client.run(chosen))
         yield client.get_executor(retries=RETRIES)
 
 
@@ -73,19 +72,11 @@ def _cluster(distributed: Any, jobs: int) -> Any:
     )
 
 
-def installed_code() -> dict[str, str]:
-    """Versions and checksums of all planners that can be loaded here, and the kernels that long searches would take."""
-    broken = unavailable_planners()
-    return {name: planner_code(name) for name in planner_names() if name not in broken} | {"kernels": chosen()}
-
-
-def _check_code(workers: Mapping[str, Mapping[str, str]]) -> None:
-    """Refuse workers that would give results of other code than the one in their keys."""
-    here = installed_code()
+def _check_kernels(workers: Mapping[str, str]) -> None:
+    """Refuse workers whose searches would take other kernels than this machine's; code is compared job by job."""
     for worker, there in workers.items():
-        different = sorted(name for name in here if here[name] != there.get(name))
-        if different:
+        if there != chosen():
             raise StudyError(
-                f"the Dask worker {worker} has other code than this machine for {', '.join(different[:3])}; "
-                "install the same version there"
+                f"the Dask worker {worker} takes the kernels of {there} and this machine those of {chosen()}; "
+                "install the same packages there, or set STUDY_ENGINE on both"
             )

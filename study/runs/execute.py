@@ -1,9 +1,11 @@
-"""Run one planner on one problem: plan, time, judge, and turn whatever goes wrong into a record."""
+"""The job of a cell: plan, time, judge, and turn whatever goes wrong into a record."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -16,37 +18,109 @@ from study.problem import Problem
 from study.registry import planner_named
 from study.runs.pool import speaker
 from study.runs.progress import reporting
-from study.store.codec import check_storable
+from study.store.codec import cell_digest, check_storable, decode, encode, settings_text
+from study.store.kept import Encoded
+from study.store.provenance import code_behind
 from study.store.results import Cell, Result
+from study.store.store import Store
+
+if TYPE_CHECKING:  # cases need more packages than planning does
+    from study.cases.case import Case
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class CellJob:
     """A cell and the problem that it is about, as sent to a worker."""
 
     cell: Cell
     problem: Problem
+    kind: ClassVar[str] = Cell.KIND
 
+    @property
+    def subject(self) -> str:
+        """Name of the case."""
+        return self.cell.case
 
-def execute(task: Task) -> Result:
-    """Plan, time and judge one cell; whatever goes wrong in the planner becomes the result's reason."""
-    started = time.perf_counter()
-    try:
-        planner = planner_named(task.cell.planner)
+    @property
+    def method(self) -> str:
+        """Registry name of the planner."""
+        return self.cell.planner
+
+    @property
+    def label(self) -> str:
+        """Name in tables."""
+        return self.cell.label
+
+    @property
+    def seed(self) -> int:
+        """Seed of the planner."""
+        return self.cell.settings.seed
+
+    @property
+    def time_limit(self) -> float:
+        """Wall time after which the planner should have stopped, s."""
+        return self.cell.settings.time_limit
+
+    def settings(self) -> str:
+        """Write the run settings without the seed."""
+        return settings_text(self.cell.settings)
+
+    def content(self) -> str:
+        """Checksum of problem, planner and settings."""
+        return cell_digest(self.problem, self.cell)
+
+    def code(self) -> str:
+        """Name the code of the planner."""
+        return code_behind((self.cell.planner,))
+
+    def encode(self, outcome: Result) -> Encoded:
+        """Turn the result into plain data."""
+        return encode(outcome)
+
+    def decode(self, encoded: Encoded) -> Result:
+        """Turn plain data back into the result."""
+        return decode(self.cell, encoded)
+
+    def failed(self, reason: str, wall_time: float, status: Status = Status.FAILED) -> Result:
+        """Build the result of a planner that brought no motion."""
+        nothing = np.empty((0, 2))
+        return Result(self.cell, status, " ".join(reason.split()), None, None, None, 0, 0, nothing, {}, wall_time)
+
+    def run(self) -> Result:
+        """Plan, time and judge; whatever goes wrong in the planner becomes the result's reason."""
         started = time.perf_counter()
-        if reason := refusal(task.problem.planner_demands, planner.knows):
-            return failed(task.cell, reason, 0.0, Status.NOT_APPLICABLE)
-        with watched() as watch, reporting(speaker()):
-            plan = in_time(task.problem, planner.plan(task.problem, task.cell.settings))
-        wall_time = time.perf_counter() - started
-        return judged(task, cut_short(plan) if watch.reached else plan, wall_time)
-    except StudyError as error:
-        reason = str(error)
-    except MemoryError:
-        reason = "memory ran out"
-    except Exception as error:  # a planner may raise anything; it is a record, not a crash
-        reason = f"{type(error).__name__}: {error}"
-    return failed(task.cell, reason, time.perf_counter() - started)
+        try:
+            planner = planner_named(self.cell.planner)
+            started = time.perf_counter()
+            if reason := refusal(self.problem.planner_demands, planner.knows):
+                return self.failed(reason, 0.0, Status.NOT_APPLICABLE)
+            with watched() as watch, reporting(speaker()):
+                plan = in_time(self.problem, planner.plan(self.problem, self.cell.settings))
+            wall_time = time.perf_counter() - started
+            return judged(self, cut_short(plan) if watch.reached else plan, wall_time)
+        except StudyError as error:
+            reason = str(error)
+        except MemoryError:
+            reason = "memory ran out"
+        except Exception as error:  # a planner may raise anything; it is a record, not a crash
+            reason = f"{type(error).__name__}: {error}"
+        return self.failed(reason, time.perf_counter() - started)
+
+
+def cell_jobs(cells: Iterable[Cell], cases: Mapping[str, Case]) -> list[CellJob]:
+    """Put cells together with the problems of their cases."""
+    return [CellJob(cell, cases[cell.case].problem) for cell in cells]
+
+
+def stored_results(store: Store, cells: Iterable[Cell], cases: Mapping[str, Case]) -> list[Result]:
+    """Read the results of cells, in the order given; cells without one are left out.
+
+    Raises
+    ------
+    StudyError
+        If one of them is damaged.
+    """
+    return [result for _, result in store.outcomes(cell_jobs(cells, cases))]
 
 
 def cut_short(plan: Plan) -> Plan:
@@ -55,16 +129,16 @@ def cut_short(plan: Plan) -> Plan:
     return replace(plan, status=Status.TIMED_OUT, message=message)
 
 
-def judged(task: Task, plan: Plan, wall_time: float) -> Result:
+def judged(job: CellJob, plan: Plan, wall_time: float) -> Result:
     """Build the result of a cell whose planner came back."""
     if plan.motion is not None:
         check_storable(plan.motion)
     return Result(
-        cell=task.cell,
+        cell=job.cell,
         status=plan.status,
         message=plan.message,
         motion=plan.motion,
-        verdict=None if plan.motion is None else judge(task.problem, plan.motion),
+        verdict=None if plan.motion is None else judge(job.problem, plan.motion),
         durations=plan.durations,
         evaluations=plan.evaluations,
         iterations=plan.iterations,
@@ -72,9 +146,3 @@ def judged(task: Task, plan: Plan, wall_time: float) -> Result:
         details=plan.details,
         wall_time=wall_time,
     )
-
-
-def failed(cell: Cell, reason: str, wall_time: float, status: Status = Status.FAILED) -> Result:
-    """Build the result of a cell that brought no motion."""
-    nothing = np.empty((0, 2))
-    return Result(cell, status, " ".join(reason.split()), None, None, None, 0, 0, nothing, {}, wall_time)

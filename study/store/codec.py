@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import lru_cache
@@ -19,24 +18,21 @@ from numpy.typing import NDArray
 from study.errors import StudyError
 from study.judge import Verdict
 from study.parametric import ParametricTrajectory
-from study.planning import RunSettings, Status
+from study.planning import RunSettings
 from study.problem import Problem
+from study.store.kept import Arrays, Encoded
 from study.store.results import Cell, Result
 from study.trajectory import Motion, Trajectory
 
-Arrays = dict[str, NDArray[Any]]
 MOTIONS: dict[str, type[Trajectory] | type[ParametricTrajectory]] = {
     "Trajectory": Trajectory,
     "ParametricTrajectory": ParametricTrajectory,
 }
-RESULTS_FORMAT = 2
-"""Counted up when what is stored about a cell changes its meaning, so that every cell is run again."""
-
 MEASURED = "_seconds"
 """Details whose names end so are wall times: kept, but outside what two equal runs have in common."""
 
 MAGIC = b"tos-arrays\n"
-"""Begins a stored block of arrays; a NumPy archive begins with PK."""
+"""Begins a stored block of arrays."""
 
 _ENCODER = json.JSONEncoder(sort_keys=True, separators=(",", ":"))
 _VERDICT_SCALARS = ("duration", "continuity", "violation", "reasons")
@@ -51,75 +47,63 @@ def canonical(document: object) -> str:
     return _ENCODER.encode(document)
 
 
-def problem_content(problem: Problem) -> object:
-    """Everything a planner sees of a problem, as plain data."""
-    return plain(problem)
+def checksum(document: object) -> str:
+    """SHA-256 of plain data, in hexadecimal."""
+    return hashlib.sha256(canonical(document).encode()).hexdigest()
 
 
-def plain(value: object) -> object:
-    """Turn dataclasses, arrays and enumerations into plain data that JSON can hold."""
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, Enum):
-        return value.name
-    if is_dataclass(value):
-        parts = {field.name: plain(getattr(value, field.name)) for field in fields(value)}
-        return {"kind": type(value).__name__} | parts  # a tube and a straight path may have the same parts
-    if isinstance(value, Mapping):
-        return [[plain(key), plain(held)] for key, held in sorted(value.items())]
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return [plain(held) for held in value]
-    return value
+def plain(content: object) -> object:
+    """Turn dataclasses, arrays, enumerations and sequences into plain data that says everything that they hold.
 
-
-def cell_key(cell: Cell, problem: Problem, version: str) -> str:
-    """Name a cell by what determines its result.
-
-    Parameters
-    ----------
-    cell : Cell
-    problem : Problem
-        The case's content: a changed waypoint or limit is another cell.
-    version : str
-        Of the code that runs.
-
-    Returns
-    -------
-    str
-        SHA-256 in hexadecimal.
+    Raises
+    ------
+    TypeError
+        If the content holds anything else, of which no checksum could be trusted.
     """
-    return cell_key_in(problem_digest(problem), cell, version)
+    if content is None or isinstance(content, bool | int | float | str):
+        return content.value if isinstance(content, Enum) else content
+    if isinstance(content, Enum):
+        return content.name
+    if isinstance(content, np.ndarray):
+        return content.tolist()
+    if isinstance(content, Mapping):
+        return {str(name): plain(part) for name, part in content.items()}
+    if isinstance(content, list | tuple | range):
+        return [plain(part) for part in content]
+    if is_dataclass(content):
+        return [type(content).__qualname__, {part.name: plain(getattr(content, part.name)) for part in fields(content)}]
+    raise TypeError(f"no checksum can be made of {content!r}")
 
 
+@lru_cache(maxsize=1024)
 def problem_digest(problem: Problem) -> str:
     """Checksum of everything a planner sees of a problem."""
-    return hashlib.sha256(canonical(problem_content(problem)).encode()).hexdigest()
+    return checksum(plain(problem))
 
 
-def cell_key_in(problem: str, cell: Cell, version: str) -> str:
-    """Name a cell, as `cell_key` does, from the checksum of its problem; a sweep makes each problem's once."""
-    before, after = _around_seed_in_key(problem, cell.planner, version, _seedless(cell.settings))
-    return hashlib.sha256(f"{before}{cell.settings.seed}{after}".encode()).hexdigest()
+def cell_digest(problem: Problem, cell: Cell) -> str:
+    """Checksum of the content of a cell, its seed left out: a changed waypoint, limit or setting is another cell."""
+    return _cell_digest(problem_digest(problem), cell.planner, _seedless(cell.settings))
 
 
 @lru_cache(maxsize=4096)
-def _around_seed_in_key(problem: str, planner: str, version: str, settings: tuple[object, ...]) -> tuple[str, str]:
-    """Cut what a key is made of at the seed, the one thing that changes from cell to cell of a sweep."""
-    before, after = (canonical(part)[1:-1] for part in _around_seed(settings))
-    start, end = canonical([RESULTS_FORMAT, problem, planner])[:-1], canonical([version])[1:]
-    return f'{start},"{before}', f'{after}",{end}'
+def _cell_digest(problem: str, planner: str, settings: tuple[object, ...]) -> str:
+    return checksum([problem, planner, _settings_text(settings)])
 
 
 def settings_text(settings: RunSettings) -> str:
-    """Write run settings as JSON, the inverse of `settings_from`."""
-    before, after = _around_seed(_seedless(settings))
-    return f"{before}{settings.seed}{after}"
+    """Write run settings without the seed as JSON, the inverse of `settings_from`."""
+    return _settings_text(_seedless(settings))
 
 
 @lru_cache(maxsize=4096)
-def _around_seed(settings: tuple[object, ...]) -> tuple[str, str]:
-    before, name, after = canonical({**dict(zip(_SEEDLESS, settings, strict=True)), "seed": 0}).partition('"seed":')
-    return before + name, after[1:]
+def _settings_text(settings: tuple[object, ...]) -> str:
+    return canonical(dict(zip(_SEEDLESS, settings, strict=True)))
+
+
+def settings_from(text: str, seed: int) -> RunSettings:
+    """Read run settings from JSON and a seed."""
+    return RunSettings(**json.loads(text), seed=seed)
 
 
 def pack_arrays(arrays: Mapping[str, NDArray[Any]]) -> bytes:
@@ -144,14 +128,19 @@ def _header(parts: tuple[tuple[str, np.dtype[Any], tuple[int, ...]], ...]) -> by
     return MAGIC + len(text).to_bytes(4, "little") + text
 
 
-def unpack_arrays(blob: bytes) -> Arrays:
-    """Read what `pack_arrays` wrote, or the NumPy archive of the first layout; pickled objects are refused."""
+def unpack_arrays(blob: bytes) -> dict[str, NDArray[Any]]:
+    """Read what `pack_arrays` wrote.
+
+    Raises
+    ------
+    ValueError
+        If the block is anything else; pickled objects are refused.
+    """
     if not blob.startswith(MAGIC):
-        with np.load(io.BytesIO(blob), allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
+        raise ValueError("this is no block of arrays")
     start = len(MAGIC) + 4
     place = start + int.from_bytes(blob[len(MAGIC) : start], "little")
-    arrays: Arrays = {}
+    arrays: dict[str, NDArray[Any]] = {}
     for name, text, shape in json.loads(blob[start:place]):
         dtype = _check_numbers(name, np.dtype(text))
         count = math.prod(shape)
@@ -166,59 +155,59 @@ def _check_numbers(name: str, dtype: np.dtype[Any]) -> np.dtype[Any]:
     return dtype
 
 
-def encode(result: Result) -> tuple[str, bytes]:
-    """Turn a result, without its cell and wall times, into a JSON document and a block of arrays.
+def encode(result: Result) -> Encoded:
+    """Turn a result, without its cell, into plain data.
 
     Raises
     ------
     StudyError
         If the motion is of a kind that cannot be stored exactly.
     """
+    details = {name: float(value) for name, value in result.details.items()}
     document: dict[str, object] = {
-        "status": result.status.name,
         "message": result.message,
-        "evaluations": int(result.evaluations),
         "iterations": int(result.iterations),
-        "details": {name: float(value) for name, value in result.details.items() if not name.endswith(MEASURED)},
+        "details": {name: value for name, value in details.items() if not name.endswith(MEASURED)},
     }
-    arrays: Arrays = {"history": np.asarray(result.history)}
+    arrays = {"history": np.asarray(result.history)}
     if result.durations is not None:
         arrays["durations"] = np.asarray(result.durations)
     if result.motion is not None:
         document["motion"] = type(result.motion).__name__
         arrays.update(_motion_arrays(result.motion))
-    if result.verdict is not None:
-        document["verdict"] = {name: getattr(result.verdict, name) for name in _VERDICT_SCALARS}
-        arrays.update({f"verdict.{name}": getattr(result.verdict, name) for name in _VERDICT_ARRAYS})
-    return canonical(document), pack_arrays(arrays)
+    verdict = result.verdict
+    if verdict is not None:
+        document["verdict"] = {name: getattr(verdict, name) for name in _VERDICT_SCALARS}
+        arrays.update({f"verdict.{name}": getattr(verdict, name) for name in _VERDICT_ARRAYS})
+    return Encoded(
+        document,
+        arrays,
+        times={name: value for name, value in details.items() if name.endswith(MEASURED)},
+        wall_time=float(result.wall_time),
+        status=result.status,
+        feasible=verdict is not None and verdict.feasible,
+        duration=None if verdict is None else verdict.duration,
+        worst_ratio=None if verdict is None else verdict.worst_ratio,
+        evaluations=int(result.evaluations),
+    )
 
 
-def encode_times(result: Result) -> str:
-    """Write the wall times that a planner noted among its details as JSON."""
-    return canonical({name: float(value) for name, value in result.details.items() if name.endswith(MEASURED)})
-
-
-def decode(cell: Cell, document_text: str, blob: bytes, wall_time: float, times: str = "{}") -> Result:
-    """Turn what `encode` and `encode_times` wrote back into a result."""
-    document, arrays = json.loads(document_text), unpack_arrays(blob)
+def decode(cell: Cell, encoded: Encoded) -> Result:
+    """Turn what `encode` made back into a result."""
+    document, arrays = encoded.document, encoded.arrays
     return Result(
         cell=cell,
-        status=Status[document["status"]],
+        status=encoded.status,
         message=document["message"],
         motion=_motion(document["motion"], arrays) if "motion" in document else None,
         verdict=_verdict(document["verdict"], arrays) if "verdict" in document else None,
         durations=arrays.get("durations"),
-        evaluations=document["evaluations"],
+        evaluations=encoded.evaluations,
         iterations=document["iterations"],
         history=arrays["history"],
-        details=document["details"] | json.loads(times),
-        wall_time=wall_time,
+        details=document["details"] | encoded.times,
+        wall_time=encoded.wall_time,
     )
-
-
-def settings_from(text: str) -> RunSettings:
-    """Read run settings from JSON."""
-    return RunSettings(**json.loads(text))
 
 
 def check_storable(motion: Motion) -> None:
@@ -234,7 +223,7 @@ def check_storable(motion: Motion) -> None:
         raise StudyError(f"a motion must be one of {', '.join(MOTIONS)}, the planner returned a {name}")
 
 
-def _motion_arrays(motion: Motion) -> Arrays:
+def _motion_arrays(motion: Motion) -> dict[str, NDArray[Any]]:
     check_storable(motion)
     return {f"motion.{name}": getattr(motion, name) for name in _MOTION_ARRAYS[type(motion).__name__]}
 

@@ -6,24 +6,24 @@ import csv
 import os
 import sqlite3
 from collections.abc import Iterator
-from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from study.errors import StudyError
-from study.registry import planner_code, planner_names
-from study.store.file import check_file, explained, read_only, transaction
-from study.store.store import CHECKED, Store, row_digest
+from study.store.codec import decode, settings_from
+from study.store.file import exists, explained, reading, transaction, writing
+from study.store.provenance import is_stale
+from study.store.results import Cell
+from study.store.row import CHECKED, SEALED, Row
 
 COLUMNS = (
-    "case_name", "label", "planner", "settings", "seed", "version", "status", "feasible", "duration", "worst_ratio",
+    "kind", "subject", "label", "method", "settings", "seed", "code", "status", "feasible", "duration", "worst_ratio",
     "evaluations", "wall_time", "key", "digest",
 )  # fmt: skip
 """What `export_columns` writes, in this order."""
 
 BATCH = 5000
-_ALL = f"SELECT results.id, {CHECKED}, digest, document, arrays FROM results LEFT JOIN payloads USING (id)"  # noqa: S608
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,9 @@ class Tally:
 
     Attributes
     ----------
-    case, label : str
-    cells, feasible, cut_short : int
+    kind, subject, label : str
+        Kind of job; case and planner of a cell, empty for all jobs of another kind.
+    count, feasible, cut_short : int
         Results, those that keep every limit, and those that a time limit decided.
     best, mean : float, s, optional
         Duration of the feasible ones.
@@ -57,9 +58,10 @@ class Tally:
         Of all.
     """
 
-    case: str
+    kind: str
+    subject: str
     label: str
-    cells: int
+    count: int
     feasible: int
     cut_short: int
     best: float | None
@@ -68,56 +70,48 @@ class Tally:
 
 
 def verify(path: Path) -> tuple[int, list[str]]:
-    """Read the whole file: every page, every result and trial against its checksum; count them and name the damaged ones.
+    """Read the whole file, every page and every row, against the checksums; count the results, name the damaged ones.
 
     Raises
     ------
     StudyError
         If the file as a whole is damaged, or not a results file.
     """
-    Store(path, {}, write=False).close()
-    check_file(path, whole=True)
-    with explained(path), closing(_reader(path)) as connection:
-        rows = connection.execute(_ALL)
-        checked, damaged = 0, []
+    with reading(path, whole=True) as connection:
+        rows = map(Row.of, connection.execute(Row.QUERY))
+        count, damaged = 0, []
         for row in rows:
-            checked += 1
-            if not _intact(row):
-                damaged.append(f"{row[3]} on {row[2]} (seed {row[5]})")
+            count += 1
+            if reason := _fault(row):
+                damaged.append(f"{row.name}: {reason}")
         orphans = "SELECT count(*) FROM payloads WHERE id NOT IN (SELECT id FROM results)"
         if lost := connection.execute(orphans).fetchone()[0]:
             damaged.append(f"{lost} payloads without a result")
-        trials = _trials(connection)
-    return checked + len(trials), damaged + [name for name, intact in trials if not intact]
+    return count, damaged
 
 
-def _trials(connection: sqlite3.Connection) -> list[tuple[str, bool]]:
-    """Name the trials of bare searches, and say whether they match their checksums; older files have no checksums there."""
-    if "digest" not in [row[1] for row in connection.execute("PRAGMA table_info(trials)")]:
-        return []
-    rows = connection.execute("SELECT digest, key, trial, value, reason FROM trials")
-    return [(f"trial {row[1]}", row_digest(tuple(row), "", b"") == digest) for digest, *row in rows]
-
-
-def _reader(path: Path) -> sqlite3.Connection:
-    return sqlite3.connect(read_only(path), uri=True, isolation_level=None)
-
-
-def _intact(row: tuple[Any, ...]) -> bool:
-    _, *columns, digest, document, arrays = row
-    if not isinstance(document, str) or not isinstance(arrays, bytes):
-        return False
-    return row_digest(tuple(columns), document, arrays) == digest
+def _fault(row: Row) -> str:
+    """Say why a row cannot be used; nothing where it can."""
+    try:
+        encoded = row.encoded()
+        if row.checked[1] == Cell.KIND:
+            decode(
+                Cell(row.checked[2], row.checked[3], row.sealed[0], settings_from(row.checked[4], row.checked[5])),
+                encoded,
+            )
+    except (ValueError, KeyError, TypeError, AttributeError, StudyError) as error:
+        return str(error)
+    return ""
 
 
 def tallies(path: Path) -> list[Tally]:
     """Count and average per case and planner, without reading the rows: an index holds all that is asked."""
-    query = """SELECT case_name, label, count(*), sum(feasible), sum(status = 'TIMED_OUT'),
-      min(CASE WHEN feasible THEN duration END), avg(CASE WHEN feasible THEN duration END), sum(wall_time)
-      FROM results GROUP BY case_name, label"""
-    Store(path, {}, write=False).close()
-    with explained(path), closing(_reader(path)) as connection:
-        return [Tally(*row) for row in connection.execute(query)]
+    sums = """count(*), sum(feasible), sum(status = 'TIMED_OUT'),
+      min(CASE WHEN feasible THEN duration END), avg(CASE WHEN feasible THEN duration END), sum(wall_time) FROM results"""
+    cells = f"SELECT kind, subject, label, {sums} WHERE kind = ? GROUP BY subject, label"
+    others = f"SELECT kind, '', '', {sums} WHERE kind != ? GROUP BY kind"
+    with reading(path) as connection:
+        return [Tally(*row) for query in (cells, others) for row in connection.execute(query, (Cell.KIND,))]
 
 
 def export_columns(path: Path, target: Path) -> int:
@@ -131,16 +125,16 @@ def export_columns(path: Path, target: Path) -> int:
     writers = {".csv": _write_csv, ".parquet": _write_parquet}
     if target.suffix not in writers:
         raise StudyError(f"{target}: results are exported to a file that ends in .csv or .parquet")
-    Store(path, {}, write=False).close()
     unfinished = target.with_name(target.name + ".part")
     try:
-        with explained(path), closing(_reader(path)) as connection:
-            rows = connection.execute(f"SELECT {', '.join(COLUMNS)} FROM results ORDER BY case_name, label, key")  # noqa: S608
+        with reading(path) as connection:
+            rows = connection.execute(f"SELECT {', '.join(COLUMNS)} FROM results ORDER BY kind, subject, label, key")  # noqa: S608
             count = writers[target.suffix](iter(lambda: rows.fetchmany(BATCH), []), unfinished)
         os.replace(unfinished, target)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # pyarrow says of a value that does not fit that it is invalid
+        raise StudyError(f"cannot write {target}: {getattr(error, 'strerror', None) or error}") from error
+    finally:
         unfinished.unlink(missing_ok=True)
-        raise StudyError(f"cannot write {target}: {error.strerror or error}") from error
     return count
 
 
@@ -182,37 +176,32 @@ def _write_parquet(batches: Iterator[list[Any]], target: Path) -> int:
 
 
 def merge(path: Path, other: Path) -> Merged:
-    """Take the results, and the searches' trials, of another file into this one; a damaged row stops it before anything is kept.
+    """Take the results of another file into this one; a damaged row stops it before anything is kept.
 
     Raises
     ------
     StudyError
         If a file is damaged, both are the same, or this one is being written to.
     """
-    if not other.exists():
-        raise StudyError(f"there are no results at {other}")
-    if path.exists() and path.samefile(other):
+    if exists(path) and exists(other) and path.samefile(other):
         raise StudyError(f"{path} cannot be merged into itself")
     _, damaged = verify(other)
     if damaged:
         raise StudyError(f"results file {other} is damaged: {damaged[0]}; nothing was merged")
-    with Store(path, {}) as store, explained(path):
-        connection = store._connection
+    with writing(path) as connection, explained(path):
         connection.execute("ATTACH ? AS other", (str(other.absolute()),))
-        with transaction(store._connection):
+        with transaction(connection):
             same = "FROM other.results AS theirs JOIN results AS ours USING (key) WHERE ours.digest"
             known, contrary = (
                 connection.execute(f"SELECT count(*) {same} {sign} theirs.digest").fetchone()[0] for sign in ("=", "!=")
             )
             count = connection.execute("SELECT count(*) FROM other.results").fetchone()[0]
             _copy(connection)
-        connection.execute("DETACH other")
     return Merged(count - known - contrary, known, contrary)
 
 
 def _copy(connection: sqlite3.Connection) -> None:
-    names = [row[1] for row in connection.execute("PRAGMA table_info(results)") if row[1] != "id"]
-    columns = ", ".join(names)
+    columns = f"{CHECKED}, {SEALED}, seal"
     first = connection.execute("SELECT coalesce(max(id), 0) FROM results").fetchone()[0]
     connection.execute(
         f"INSERT OR IGNORE INTO results ({columns}) SELECT {columns} FROM other.results ORDER BY other.results.id"  # noqa: S608
@@ -222,12 +211,6 @@ def _copy(connection: sqlite3.Connection) -> None:
         "USING (key) JOIN other.payloads AS load ON load.id = theirs.id WHERE ours.id > ? ORDER BY ours.id",
         (first,),
     )
-    for name, definition in connection.execute("SELECT name, sql FROM other.sqlite_master WHERE name = 'trials'"):
-        ours = connection.execute("SELECT sql FROM main.sqlite_master WHERE name = ?", (name,)).fetchone()
-        if ours is None:
-            connection.execute(definition)
-        if ours in (None, (definition,)):  # an older version's trials are asked for no more
-            connection.execute("INSERT OR IGNORE INTO main.trials SELECT * FROM other.trials")
 
 
 def compact(path: Path, *, drop_stale: bool = False) -> tuple[int, int]:
@@ -237,30 +220,30 @@ def compact(path: Path, *, drop_stale: bool = False) -> tuple[int, int]:
     ----------
     path : Path
     drop_stale : bool
-        Whether to drop results of installed planners whose code has changed since; no run asks for them any more.
+        Whether to drop results of installed planners and jobs whose code has changed since; no run asks for them.
 
     Raises
     ------
     StudyError
         If the file is damaged or being written to.
     """
-    if not path.exists():
+    if not exists(path):
         raise StudyError(f"there are no results at {path}")
     before, dropped = path.stat().st_size, 0
-    with Store(path, {}) as store, explained(path):
+    with writing(path) as connection, explained(path):
         if drop_stale:
-            with transaction(store._connection):
-                dropped = _drop_stale(store._connection)
-        store._connection.execute("VACUUM")
-        store._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            with transaction(connection):
+                dropped = _drop_stale(connection)
+        connection.execute("VACUUM")
+        connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
     return dropped, before - path.stat().st_size
 
 
 def _drop_stale(connection: sqlite3.Connection) -> int:
     dropped = 0
-    for name in planner_names():
-        rows = "results WHERE planner = ? AND version != ?"
-        values = (name, planner_code(name))
-        connection.execute(f"DELETE FROM payloads WHERE id IN (SELECT id FROM {rows})", values)  # noqa: S608
-        dropped += connection.execute(f"DELETE FROM {rows}", values).rowcount  # noqa: S608
+    for (code,) in connection.execute("SELECT DISTINCT code FROM results").fetchall():
+        if is_stale(code):
+            rows = "results WHERE code = ?"
+            connection.execute(f"DELETE FROM payloads WHERE id IN (SELECT id FROM {rows})", (code,))  # noqa: S608
+            dropped += connection.execute(f"DELETE FROM {rows}", (code,)).rowcount  # noqa: S608
     return dropped

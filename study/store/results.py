@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from study.judge import Verdict
 from study.planning import RunSettings, Status
@@ -30,6 +31,8 @@ class Cell:
     planner: str
     label: str
     settings: RunSettings
+
+    KIND: ClassVar[str] = "cell"
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,8 @@ from study.analysis.methods import Kind, lower_bound
 from study.cases.library import load_case
 from study.cli import terminal
 from study.planning import Freedom
+from study.runs.execute import CellJob
 from study.runs.lineup import AS_IN_PAPER, Budget, Spec, make_cells
-from study.runs.runner import Task, execute
 
 REFERENCES = ("casadi-nlp", "certified", "quintic-nlp", "toppra", "ruckig-via", "free-path-nlp", "any-motion-bound")
 
@@ -22,7 +22,7 @@ REFERENCES = ("casadi-nlp", "certified", "quintic-nlp", "toppra", "ruckig-via", 
 def study_of(name: str, *more: Spec, references: tuple[str, ...] = REFERENCES) -> CaseSummary:
     case = load_case(name)
     cells = make_cells([case], [*map(Spec, references), *more], Budget(seeds=2, evaluations=600))
-    return summarise_case(case, [execute(Task(cell, case.problem)) for cell in cells])
+    return summarise_case(case, [CellJob(cell, case.problem).run() for cell in cells])
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,7 @@ def test_the_file_of_results_is_looked_after_from_the_command_line(study, out, t
     assert "2 results added, 0 known, 0 contrary" in study("store", "merge", out, "--out", other)
     assert "0 results added, 2 known, 0 contrary" in study("store", "merge", out / STORE_NAME, "--out", other)
     assert study("digest", "--out", other) == study("digest", "--out", out)
-    assert "0 results and 0 trials dropped" in study("store", "compact", "--drop-stale", "--out", out)
+    assert "0 results dropped" in study("store", "compact", "--drop-stale", "--out", out)
     (other / STORE_NAME).write_bytes(b"x" * 5000)
     with pytest.raises(StudyError, match="is damaged or not a results file"):
         study("store", "verify", "--out", other)

@@ -10,7 +10,7 @@ from study.comparison.audit import FunctionFinding, TrajectoryFinding
 from study.comparison.effort import QUICK
 from study.comparison.grids import function_grid
 from study.comparison.sentences import axes_audited
-from study.comparison.trials import Job, Outcome, Trial, run_trial
+from study.comparison.trials import Trial, TrialJob, TrialOutcome
 from study.curves import curve_named
 from study.errors import StudyError
 from study.formulation import Scaled
@@ -102,9 +102,13 @@ def test_ratios_read_plainly():
     ]  # fmt: skip
 
 
+def run_all(jobs):
+    return {trial: end for job in jobs for trial, end in zip(job.trials, job.run(), strict=True)}
+
+
 def _outcomes(values):
     return {
-        Trial(search, task, view, seed, 10, 5, 3): Outcome(value, "", 0.0)
+        Trial(search, task, view, seed, 10, 5, 3): TrialOutcome(value)
         for (search, task, view), several in values.items()
         for seed, value in enumerate(several)
     }
@@ -147,7 +151,7 @@ def test_trajectory_findings_by_hand():
     }  # fmt: skip
     found = audit.trajectory_findings(
         {
-            Trial(search, "case", view, seed, 10, 5, formulation="penalty"): Outcome(value, "", 0.0)
+            Trial(search, "case", view, seed, 10, 5, formulation="penalty"): TrialOutcome(value)
             for (search, view), values in durations.items()
             for seed, value in enumerate(values)
         }
@@ -185,22 +189,21 @@ def test_the_audit_flags_those_that_contract_and_not_the_standard_ones():
     every = audit.audited_searches(printed=False)
     biased, sound = {"gold-sa", "golds-pso", "simple-pso", "woa", "ssa"}, {"pso", "de", "random-search"}
     jobs = audit.function_jobs({name: every[name] for name in biased | sound}, SMALL)
-    found = audit.function_findings(
-        {job.trial: run_trial(job) for job in jobs if job.trial.view in ("origin", "shifted")}
-    )
+    found = audit.function_findings(run_all([job for job in jobs if job.trial.view in ("origin", "shifted")]))
     ratios = {one.search: one.shifted for one in found}
     assert {name for name, ratio in ratios.items() if ratio > audit.ALARM} == biased
 
 
 def test_random_search_is_blind_to_the_view_up_to_rounding():
     jobs = audit.trajectory_jobs({"r": RandomSearch()}, [WOODWORKING], SMALL, ["scaled"])
-    values = audit.grouped({job.trial: run_trial(job) for job in jobs})
+    values = audit.grouped(run_all(jobs))
     same = [values["r", "woodworking", "scaled", view] for view in (tasks.AS_IT_IS, tasks.CENTRED)]
     assert same[0] == pytest.approx(same[1], rel=1e-9)
 
 
 def test_a_search_that_breaks_down_is_a_record():
-    outcome = run_trial(Job(Trial("de", "sphere", tasks.ORIGIN, 0, 20, 2, 3), audit.audited_searches(False)["de"]))
+    trial = Trial("de", "sphere", tasks.ORIGIN, 0, 20, 2, 3)
+    (outcome,) = TrialJob(trial, audit.audited_searches(False)["de"], range(1)).run()
     assert outcome.value == np.inf
     assert outcome.reason.startswith("StudyError")
 
@@ -227,15 +230,13 @@ def test_plain_smwoa_is_woa():
     trial = Trial("", "sphere", tasks.SHIFTED, 2, 400, 20, 5)
     smwoa = next(one for one in ablations.ABLATIONS if one.title == "SMWOA").forms[ablations.PLAIN]
     assert isinstance(smwoa, SMWOA)
-    assert run_trial(Job(trial, smwoa)).value == run_trial(Job(trial, WOA())).value
+    assert TrialJob(trial, smwoa, range(2, 4)).run() == TrialJob(trial, WOA(), range(2, 4)).run()
 
 
 def _ablation(values):
     return ablations.ablation_findings(
         {
-            Trial(f"ur5-smwoa: {form}", "case", tasks.AS_IT_IS, seed, 10, 5, formulation="penalty"): Outcome(
-                value, "", 0.0
-            )
+            Trial(f"ur5-smwoa: {form}", "case", tasks.AS_IT_IS, seed, 10, 5, formulation="penalty"): TrialOutcome(value)
             for form, several in values.items()
             for seed, value in enumerate(several)
         }

@@ -18,7 +18,9 @@ from study.comparison.contestants import level_cells
 from study.comparison.effort import FULL
 from study.comparison.ioh import write_ioh
 from study.comparison.pages import PAGES, tables_of, write_pages
+from study.runs.runner import run_jobs
 from study.runs.selections import YARDSTICKS
+from study.store.store import Store
 from tests.helpers.comparisons import CASES, TINY
 
 pytest.importorskip("scikit_posthocs", reason="the comparison needs the extra 'compare'")
@@ -35,10 +37,28 @@ def timeless(found):
     }
 
 
+def compared(path, told=lambda part, done, total: None):
+    """Compare with one worker, told of every part how far it is."""
+    with Store(path) as store:
+
+        def run(part, jobs):
+            done = len(jobs) - len(store.missing(jobs))
+
+            def finished(job, outcome):
+                nonlocal done
+                done += 1
+                told(part, done, len(jobs))
+
+            told(part, done, len(jobs))
+            run_jobs(jobs, store, workers=1, on_outcome=finished)
+
+        return compare(CASES, TINY, store, run)
+
+
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     path = tmp_path_factory.mktemp("whole") / "results.sqlite"
-    return path, compare(CASES, TINY, path, jobs=1)
+    return path, compared(path)
 
 
 def test_interrupted_and_resumed_gives_the_same_numbers(whole, tmp_path):
@@ -53,13 +73,13 @@ def test_interrupted_and_resumed_gives_the_same_numbers(whole, tmp_path):
 
     for part, share in (("planners", 0.4), ("ablations", 0.3)):
         with pytest.raises(KeyboardInterrupt):
-            compare(CASES, TINY, path, jobs=1, progress=interrupting(part, share))
+            compared(path, interrupting(part, share))
     counts = {}
 
     def last(part, done, total):
         counts.setdefault(part, done)
 
-    resumed = compare(CASES, TINY, path, jobs=1, progress=last)
+    resumed = compared(path, last)
     assert 0 < counts["ablations"] < len(trial_jobs(list(CASES.values()), TINY)["ablations"])
     assert timeless(resumed) == timeless(whole[1])
 
@@ -69,10 +89,9 @@ import sys
 from pathlib import Path
 
 if __name__ == "__main__":  # workers import this file too
-    from study.comparison.build import compare
-    from tests.helpers.comparisons import CASES, TINY
+    from tests.comparison.test_comparison_build import compared
 
-    compare(CASES, TINY, Path(sys.argv[1]), jobs=2, progress=lambda *told: print(*told, flush=True))
+    compared(Path(sys.argv[1]), lambda *told: print(*told, flush=True))
 """
 
 
@@ -95,7 +114,7 @@ def test_killed_and_resumed_gives_the_same_numbers(whole, tmp_path):
                 break
     assert process.wait() == -signal.SIGKILL
     counts = []
-    resumed = compare(CASES, TINY, path, jobs=1, progress=lambda *told: counts.append(told))
+    resumed = compared(path, lambda *told: counts.append(told))
     assert any(0 < done < total for name, done, total in counts if name == "ablations")
     assert timeless(resumed) == timeless(whole[1])
 
@@ -103,7 +122,7 @@ def test_killed_and_resumed_gives_the_same_numbers(whole, tmp_path):
 def test_nothing_is_run_twice(whole):
     path, found = whole
     counts = []
-    again = compare(CASES, TINY, path, jobs=1, progress=lambda part, done, total: counts.append((part, done, total)))
+    again = compared(path, lambda *told: counts.append(told))
     assert all(done == total for _, done, total in counts)
     assert len(counts) == 4
     assert tables_of(again) == tables_of(found)

@@ -16,7 +16,9 @@ from study.cases.library import load_case
 from study.recording.contents import NANOSECOND, gather
 from study.recording.process import private_environment
 from study.recording.stream import entity
-from study.store.store import Store, remembered_lineup
+from study.runs.execute import stored_results
+from study.runs.remembered import remembered_lineup
+from study.store.store import Store
 from tests.conftest import command, stored, wait_until
 from tests.helpers.recordings import series
 
@@ -44,8 +46,8 @@ def test_a_killed_run_leaves_recordings_of_what_was_finished(
     assert ended.returncode == 0, ended.stderr
     cells, sources = remembered_lineup(out / "results.sqlite")
     cases = {name: load_case(source) for name, source in sources.items()}
-    with Store(out / "results.sqlite", cases, write=False) as store:
-        results = store.results(cells)
+    with Store(out / "results.sqlite", write=False) as store:
+        results = stored_results(store, cells, cases)
     assert len(results) == kept
     finished = {result.cell.case for result in results}
     assert {path.stem for path in (out / "recordings").iterdir()} == finished

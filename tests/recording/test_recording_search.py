@@ -20,7 +20,7 @@ from study.recording.stream import entity
 from study.recording.summary import history, wall_times
 from study.recording.swarm import swarms_of
 from study.robots import robot_named
-from study.runs.execute import Task, execute
+from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
 from study.store.results import Result
 from tests.helpers.recordings import chunks, columns, series
@@ -28,7 +28,7 @@ from tests.helpers.recordings import chunks, columns, series
 
 def run(case: Case, *specs: Spec, seeds: int = 1) -> list[Result]:
     cells = make_cells([case], specs, Budget(seeds=seeds, evaluations=150))
-    return [execute(Task(cell, case.problem)) for cell in cells]
+    return [CellJob(cell, case.problem).run() for cell in cells]
 
 
 @pytest.fixture(scope="module")

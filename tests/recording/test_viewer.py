@@ -17,7 +17,7 @@ from study.cases.library import case_names, load_case
 from study.errors import StudyError
 from study.recording import live_recording, process, record_case, screenshot, view, viewer
 from study.recording.contents import NANOSECOND, gather
-from study.runs.execute import Task, execute
+from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
 from tests.helpers.recordings import some_results
 from tests.helpers.viewer import can_draw, pixels
@@ -70,7 +70,7 @@ def test_every_tab_is_drawn_without_complaint(recording: Path) -> None:
 def test_the_first_look_and_the_searches_of_every_case(name: str, tabs: tuple[str, ...], tmp_path: Path) -> None:
     case = load_case(name)
     cells = make_cells([case], [Spec(case.planner), Spec("pso", "scaled")], Budget(seeds=1, evaluations=100))
-    results = [execute(Task(cell, case.problem)) for cell in cells]
+    results = [CellJob(cell, case.problem).run() for cell in cells]
     path = record_case(summarise_case(case, [*some_results(case), *results]), tmp_path / f"{name}.rrd", samples=60)
     with viewer.headless(path, SMALL) as client:
         for tab in tabs:

@@ -19,8 +19,8 @@ from study.cases.library import load_case
 from study.errors import StudyError
 from study.report.pictures import pictures_of, standalone, write_pictures
 from study.report.readme import answer_in_markdown, put_answer
+from study.runs.execute import CellJob
 from study.runs.lineup import Budget, make_cells, parse_specs
-from study.runs.runner import Task, execute
 from tests.helpers.viewer import can_draw
 
 LARGEST = 300_000
@@ -116,7 +116,7 @@ def test_too_few_results_and_a_folder_that_cannot_be_written_are_one_sentence(tm
 def test_the_answer_goes_between_the_marks_and_says_what_the_judge_says(tmp_path: Path) -> None:
     case = load_case("woodworking")
     specs = parse_specs("random-search:scaled,shared,casadi-nlp:scaled,shared,ruckig-stops")
-    results = [execute(Task(cell, case.problem)) for cell in make_cells([case], specs, Budget(1, 100, 20.0))]
+    results = [CellJob(cell, case.problem).run() for cell in make_cells([case], specs, Budget(1, 100, 20.0))]
     text = answer_in_markdown([summarise_case(case, results)])
     head, ruler, row = text.splitlines()[-3:]
     assert head.count("|") == ruler.count("|") == row.count("|")

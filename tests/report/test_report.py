@@ -21,8 +21,8 @@ from study.errors import StudyError
 from study.problem import Problem
 from study.report.page import STANDINGS, build_report
 from study.report.tables import COLUMNS, raw
+from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
-from study.runs.runner import Task, execute
 from study.store.results import Result
 
 NASTY = "<script>alert('x')</script> & \"q\" $y$ {{ 7*7 }}"
@@ -63,7 +63,7 @@ class Page(HTMLParser):
 
 def _results(case: Case, specs: list[str]) -> list[Result]:
     cells = make_cells([case], [Spec(*name.split(":")) for name in specs], Budget(seeds=2, evaluations=150))
-    return [execute(Task(cell, case.problem)) for cell in cells]
+    return [CellJob(cell, case.problem).run() for cell in cells]
 
 
 @pytest.fixture(scope="module")
@@ -253,7 +253,7 @@ def test_commands_run_the_rows_again(report: Path) -> None:
 
 def test_a_command_says_where_an_own_case_is_and_how_long_its_planners_had(tiny_case: Case, tmp_path: Path) -> None:
     (cell,) = make_cells([tiny_case], [Spec("centre")], Budget(time_limit=7.0))
-    result = execute(Task(cell, tiny_case.problem))
+    result = CellJob(cell, tiny_case.problem).run()
     build_report([summarise_case(tiny_case, [result])], tmp_path, {}, sources={tiny_case.name: "my cases/tiny.yaml"})
     shown = {row["method"]: row["command"] for row in read_csv(tmp_path / "tables" / "tiny-results.csv")}
     assert shown["centre"] == "study run --cases 'my cases/tiny.yaml' --planners centre --time-limit 7 --out again"

@@ -21,8 +21,8 @@ from study.cases.library import load_case
 from study.comparison.build import compare
 from study.comparison.pages import write_pages
 from study.report.page import STANDINGS, build_report
+from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
-from study.runs.runner import Task, execute
 from tests.helpers.comparisons import TINY
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -106,7 +106,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     other = load_case("puma560")
     cases = {one.name: one for one in (case, other)}
     cells += make_cells([other], [Spec("pso", "scaled", "shared"), Spec("centre")], Budget(seeds=1, evaluations=60))
-    results = [execute(Task(cell, cases[cell.case].problem)) for cell in cells]
+    results = [CellJob(cell, cases[cell.case].problem).run() for cell in cells]
     out = tmp_path_factory.mktemp("out")
     found = compare({case.name: case}, TINY, out / "results.sqlite", jobs=1)
     write_pages(found, out / "report" / "comparison", {"Python": "3.x"})

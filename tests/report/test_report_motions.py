@@ -15,8 +15,8 @@ from study.cases.library import load_case
 from study.report.page import build_report
 from study.report.plot_style import HeadlineRow, Mark, crowded
 from study.report.tables import RATE, motion_files
+from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
-from study.runs.runner import Task, execute
 
 
 class Links(HTMLParser):
@@ -37,7 +37,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[CaseSummary, Path]:
     case = load_case("puma560")
     specs = [Spec("chaotic-spso", "scaled", "shared"), Spec("ruckig-stops"), Spec("toppra")]
     cells = make_cells([case], specs, Budget(seeds=2, evaluations=100))
-    results = [execute(Task(cell, case.problem)) for cell in cells]
+    results = [CellJob(cell, case.problem).run() for cell in cells]
     out = tmp_path_factory.mktemp("motions")
     (out / "recordings").mkdir()
     (out / "recordings" / "puma560.rrd").write_bytes(b"")

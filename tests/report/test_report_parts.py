@@ -24,8 +24,8 @@ from study.problem import JointLimits, Problem
 from study.report.convergence import _on_grid, convergence_of
 from study.report.figures import convergence, headline, profile
 from study.report.plot_style import THEME, Convergence, HeadlineRow, Mark, Series, spaced_ticks, themed
+from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
-from study.runs.runner import Task, execute
 from study.store.results import Result
 from tests.helpers.summaries import method_of, picked, run_of
 
@@ -144,7 +144,7 @@ def wood() -> CaseSummary:
         Spec("toppra"),
     ]
     cells = make_cells([case], specs, Budget(seeds=3, evaluations=600))
-    return summarise_case(case, [execute(Task(cell, case.problem)) for cell in cells])
+    return summarise_case(case, [CellJob(cell, case.problem).run() for cell in cells])
 
 
 def runs_of(summary: CaseSummary) -> list[Result]:

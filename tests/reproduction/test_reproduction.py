@@ -1,15 +1,21 @@
 """The reproduction as a whole: nothing dropped, pages complete, work stored by content, same answer in any pool."""
 
 import csv
+import os
 import re
-from collections import Counter
+import signal
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from html.parser import HTMLParser
+from typing import ClassVar
 
 import numpy as np
 import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
+from study import registry
 from study.cases.library import load_case
 from study.cases.published import claims, papers, statements, tables
 from study.cli import reproduce as command
@@ -17,22 +23,26 @@ from study.cli.main import app
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import Meter
-from study.reproduction import jobs, page
-from study.reproduction.benchmark_runs import BenchmarkCell, settled_at, thinned
+from study.reproduction import page
+from study.reproduction.benchmark_runs import BenchmarkJob, settled_at, thinned
 from study.reproduction.book import PAPERS, entries_of, jobs_of, paper_named
-from study.reproduction.effort import FULL, QUICK, Effort
-from study.reproduction.genetic_runs import GeneticCell
-from study.reproduction.jobs import Runs, name_of, run_all
-from study.reproduction.kinematics_runs import BRANCH, InverseTiming, nearest
-from study.reproduction.motion_runs import MotionCell, motion_of
+from study.reproduction.effort import FULL, Effort
+from study.reproduction.genetic_runs import GeneticJob
+from study.reproduction.jobs import RecordJob, Runs
+from study.reproduction.kinematics_runs import BRANCH, KinematicsJob, nearest
+from study.reproduction.motion_runs import MotionJob, OptimumJob, motion_of
 from study.reproduction.page import write_cells, write_index, write_paper
 from study.reproduction.path_runs import attempts
 from study.reproduction.verdicts import CLAIM, Outcome
 from study.robots import inverse, robot_named
 from study.robots.helix import helix_configurations
+from study.runs.runner import run_jobs
 from study.search.loop import minimise
 from study.search.pso import PSO
 from study.search.state import Box
+from study.store.kept import key_of
+from study.store.maintenance import verify
+from study.store.store import Store
 
 TINY = Effort("tiny: for tests", 2, 0.02, 2, all_readings=False)
 KEYS = list(PAPERS)
@@ -40,12 +50,11 @@ DRAWN = ("woodworking-golds-pso", "ur5-tadf-ssa")  # drawing takes seconds; two 
 
 
 @pytest.fixture(scope="module")
-def reproduced(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("reproduction")
-    measure = InverseTiming.run
+def reproduced():
+    measure = KinematicsJob.run
     with pytest.MonkeyPatch.context() as patch:  # seconds are measured less often: nothing here looks at them
-        patch.setattr(InverseTiming, "run", lambda self: measure(InverseTiming(poses=40, repeats=1)))
-        runs = run_all(jobs_of(KEYS, TINY), folder / "cache", 1)
+        patch.setattr(KinematicsJob, "run", lambda self: measure(KinematicsJob(poses=40, repeats=1)))
+        runs = Runs((job, job.run()) for job in dict.fromkeys(jobs_of(KEYS, TINY)))
     return {paper: (entries_of(paper, runs, TINY), runs) for paper in KEYS}
 
 
@@ -171,7 +180,7 @@ def test_a_changed_verdict_is_said(reproduced, tmp_path):
         command.read_committed(tmp_path / "none.csv")
 
 
-CELL = BenchmarkCell("woodworking-golds-pso", "F5", "standard", PSO(), 6, 5, 3)
+CELL = BenchmarkJob("woodworking-golds-pso", "F5", "standard", PSO(), 6, 5, 3)
 
 
 def test_a_benchmark_cell_is_plain_minimisation():
@@ -195,30 +204,75 @@ def test_convergence_is_counted_from_the_descent():
     assert thinned(1000)[[0, -1]].tolist() == [0, 999]
 
 
-def test_records_are_kept_by_content_and_a_repeat_runs_nothing(tmp_path, monkeypatch):
-    first = run_all([CELL], tmp_path, 1)[CELL]
-    monkeypatch.setattr(BenchmarkCell, "run", lambda self: pytest.fail("ran again"))
-    assert run_all([CELL, CELL], tmp_path, 1)[CELL] == first
-    monkeypatch.undo()
-    (tmp_path / name_of(CELL)).write_text("{broken", encoding="utf-8")
-    assert run_all([CELL], tmp_path, 1)[CELL]["finals"] == first["finals"]
-    other = BenchmarkCell("woodworking-golds-pso", "F5", "standard", PSO(cognitive=1.9), 6, 5, 3)
-    assert name_of(other) != name_of(CELL)
+def stored(jobs, path, workers=1, **options):
+    """Run jobs through the one pool and the one store; their records and the store's digest."""
+    with Store(path) as store:
+        run_jobs(jobs, store, workers=workers, **options)
+        return Runs(store.outcomes(jobs)), store.digest()
+
+
+def test_records_are_kept_by_content_and_a_repeat_runs_nothing(tmp_path):
+    first, _ = stored([CELL], tmp_path / "r")
+    again, _ = stored([CELL, CELL], tmp_path / "r", on_outcome=lambda *told: pytest.fail("ran again"))
+    assert again[CELL] == first[CELL]
+    assert first[CELL]["finals"] == CELL.run()["finals"]
+    other = BenchmarkJob("woodworking-golds-pso", "F5", "standard", PSO(cognitive=1.9), 6, 5, 3)
+    assert key_of(other) != key_of(CELL)
     with pytest.raises(StudyError, match="nothing was run"):
-        Runs({})[CELL]
+        first[other]
 
 
-def test_changed_code_makes_a_record_worthless(monkeypatch):
-    before = name_of(CELL)
-    monkeypatch.setattr(jobs, "fingerprint", lambda sources: "other code")
-    assert name_of(CELL) != before
+def test_neither_the_number_of_workers_nor_measured_seconds_change_the_digest(tmp_path):
+    jobs = [CELL, MotionJob("woodworking", PSO(), 0, 5, 4, 2), OptimumJob("woodworking", 0), KinematicsJob(4, 1)]
+    (alone, digest), (pooled, other) = (stored(jobs, tmp_path / str(workers), workers) for workers in (1, 2))
+    assert digest == other
+    assert alone[jobs[1]] == pooled[jobs[1]]
+    assert alone[jobs[3]]["seconds"] != pooled[jobs[3]]["seconds"]
+    assert verify(tmp_path / "1") == (4, [])
 
 
-def test_the_number_of_workers_changes_nothing(tmp_path):
-    cells = [CELL, MotionCell("woodworking", PSO(), 0, 5, 4, 2)]
-    alone, pooled = (run_all(cells, tmp_path / str(workers), workers) for workers in (1, 2))
-    assert alone[cells[0]]["finals"] == pooled[cells[0]]["finals"]
-    assert alone[cells[1]] == pooled[cells[1]]
+@pytest.mark.parametrize(
+    "job",
+    [
+        CELL,
+        MotionJob("woodworking", PSO(), 0, 5, 4, 2),
+        OptimumJob("woodworking", 0),
+        KinematicsJob(4, 1),
+        *attempts("rrt", 1, 5, 4),
+    ],
+    ids=lambda job: job.kind,
+)
+def test_a_job_names_every_planner_that_it_asks_the_registry_for(job, monkeypatch):
+    asked, load = set(), registry._load
+    monkeypatch.setattr(registry, "_load", lambda name, path: asked.add(name) or load(name, path))
+    job.run()
+    assert asked == set(job.planners())
+
+
+@dataclass(frozen=True)
+class TroubledJob(RecordJob):
+    trouble: str
+    kind: ClassVar[str] = "troubled"
+    weight: ClassVar[float] = 1.0
+    time_limit: ClassVar[float] = 3.0
+
+    def run(self):
+        endings = {"crash": lambda: os.kill(os.getpid(), signal.SIGSEGV), "hang": lambda: time.sleep(99)}
+        endings.get(self.trouble, lambda: [][1])()
+
+
+@pytest.mark.parametrize(
+    ("trouble", "reason"),
+    [("crash", "ended by SIGSEGV during this troubled"), ("hang", "time limit of 3 s"), ("raise", "IndexError: list")],
+)
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_a_run_that_crashes_or_hangs_is_one_sentence_and_the_others_are_kept(tmp_path, trouble, reason, elsewhere):
+    with (
+        ThreadPoolExecutor(1) as executor,
+        pytest.raises(StudyError, match=f"failed: .*{reason}.*finished jobs are stored"),
+    ):
+        stored([CELL, TroubledJob(trouble)], tmp_path / "r", executor=executor if elsewhere else None)
+    assert verify(tmp_path / "r") == (1, [])
 
 
 def test_one_domain_and_the_nearest_of_eight_find_the_same():
@@ -231,7 +285,7 @@ def test_one_domain_and_the_nearest_of_eight_find_the_same():
 
 
 def test_inverse_timing_measures_four_ways():
-    seconds = InverseTiming(poses=8, repeats=1).run()
+    seconds = KinematicsJob(poses=8, repeats=1).run()["seconds"]
     assert len(seconds) == 4
     assert min(seconds.values()) > 0
     assert seconds["scalar one"] < seconds["scalar eight"]
@@ -240,7 +294,7 @@ def test_inverse_timing_measures_four_ways():
 def test_nsga2_keeps_limits_and_box():
     pytest.importorskip("pymoo")
     case = load_case("puma560")
-    found = GeneticCell("puma560", 0, 20, 30, 1).run()["durations"][0]
+    found = GeneticJob("puma560", 0, 20, 30, 1).run()["durations"][0]
     lower, upper = case.problem.duration_bounds
     assert all(lower <= value <= upper for value in found)
     assert judge(case.problem.joint(0), motion_of(case, np.array(found), 0)).feasible
@@ -282,8 +336,6 @@ def test_a_folder_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(StudyError, match="choose another folder"):
         write_cells(tmp_path / "file" / "cells.csv", [])
-    with pytest.raises(StudyError, match="choose another folder"):
-        run_all([], tmp_path / "file" / "cache", 1)
 
 
 @pytest.mark.slow
@@ -291,7 +343,7 @@ def test_a_folder_that_cannot_be_written(tmp_path):
 def test_the_full_reproduction_gives_the_committed_verdicts(tmp_path):
     """Paper scale. Also the targets: mean cells within one order of magnitude under the stated readings."""
     pytest.importorskip("pymoo")
-    runs = run_all(jobs_of(KEYS, FULL), tmp_path)
+    runs, _ = stored(jobs_of(KEYS, FULL), tmp_path / "r", None)
     entries = {paper: entries_of(paper, runs, FULL) for paper in KEYS}
     for paper, columns in (("woodworking-golds-pso", 5), ("puma560-chaotic-spso", 3)):
         means = [
@@ -305,11 +357,3 @@ def test_the_full_reproduction_gives_the_committed_verdicts(tmp_path):
         assert [(e.place, e.ruling.ours) for e in means if not e.ruling.agrees] == []
     flat = [entry for found in entries.values() for entry in found]
     assert command.changes(flat, command.read_committed(command.committed_path())) == []
-
-
-def test_efforts_say_what_they_are():
-    assert FULL.seeds == 30
-    assert FULL.attempts == 100
-    assert QUICK.label.startswith("quick")
-    assert QUICK.generations(300) == 300
-    assert Counter(type(job).__name__ for job in jobs_of(KEYS, FULL))["PathAttempts"] == 30

@@ -9,9 +9,10 @@ from study.errors import StudyError
 from study.planning import Status
 from study.runs import dask as engines
 from study.runs.dask import dask_executor
+from study.runs.execute import CellJob, cell_jobs, stored_results
 from study.runs.lineup import Budget, make_cells, parse_specs
 from study.runs.pool import MEMORY
-from study.runs.runner import RunOptions, run_cells
+from study.runs.runner import RunOptions, run_guarded, run_jobs
 from study.store.store import Store
 
 distributed = pytest.importorskip("distributed", reason="Dask is an extra")
@@ -25,9 +26,9 @@ def run(tmp_path, stubs, tiny_case):
 
     def run_on(name, planners=PLANNERS, seeds=2, time_limit=60.0, **options):
         cells = make_cells([tiny_case], parse_specs(planners), Budget(seeds, 60, time_limit))
-        with Store(tmp_path / f"{name}.sqlite", {"tiny": tiny_case}) as store:
-            run_cells(cells, {"tiny": tiny_case}, store, **options)
-            return store.results(cells), store.digest()
+        with Store(tmp_path / f"{name}.sqlite") as store:
+            run_jobs(cell_jobs(cells, {"tiny": tiny_case}), store, **options)
+            return stored_results(store, cells, {"tiny": tiny_case}), store.digest()
 
     return run_on
 
@@ -35,7 +36,7 @@ def run(tmp_path, stubs, tiny_case):
 @pytest.mark.filterwarnings("default")  # of Dask's own making
 @pytest.mark.timeout(200)
 def test_a_real_scheduler_that_loses_a_worker_brings_the_same_results(run, tmp_path):
-    _, here = run("here", jobs=2)
+    _, here = run("here", workers=2)
     stored = []
     with distributed.LocalCluster(
         n_workers=2,
@@ -47,13 +48,13 @@ def test_a_real_scheduler_that_loses_a_worker_brings_the_same_results(run, tmp_p
     ) as cluster:
         pids = [nanny.pid for nanny in cluster.workers.values()]
 
-        def kill_one(result):
+        def kill_one(job, result):
             stored.append(result)
             if len(stored) == 3:
                 os.kill(pids[0], signal.SIGKILL)
 
         with dask_executor(cluster.scheduler_address, 2) as executor:
-            results, there = run("there", executor=executor, on_result=kill_one)
+            results, there = run("there", executor=executor, on_outcome=kill_one)
         assert pids[0] not in [nanny.pid for nanny in cluster.workers.values()]
     print(f"\nDask workers killed: 1 after 3 of {len(stored)} cells, cells lost: {9 - len(results)}")
     assert len(stored) == len(results) == 9
@@ -72,21 +73,20 @@ def test_a_scheduler_of_our_own_runs_the_study_and_listens_on_this_machine_alone
     assert set(listening) <= {"127.0.0.1", "::1"}
 
 
-@pytest.mark.filterwarnings("default")
-def test_workers_with_other_code_are_refused(monkeypatch):
-    monkeypatch.setattr(engines, "installed_code", lambda: {"pso": "of another day"})
-    with pytest.raises(StudyError, match=r"the Dask worker tcp://127.* has other code .* for pso; install the same"):
-        engines._check_code({"tcp://127.0.0.1:1": {"pso": "of today"}})
-    engines._check_code({"tcp://127.0.0.1:1": {"pso": "of another day", "more": "here"}})
+def test_workers_with_other_code_are_refused(tiny_case, stubs):
+    job = CellJob(make_cells([tiny_case], parse_specs("stub-steady"), Budget(1))[0], tiny_case.problem)
+    with pytest.raises(StudyError, match=r"a worker on .* has other code for stub-steady; install the same"):
+        run_guarded(job, "code of another day")
+    assert run_guarded(job, job.code()).status is Status.FINISHED
 
 
 def test_workers_that_would_take_other_kernels_are_refused(monkeypatch):
-    monkeypatch.setattr(engines, "planner_names", list)
-    monkeypatch.setattr(engines, "chosen", lambda: "numba")
-    there = engines.installed_code()
     monkeypatch.setattr(engines, "chosen", lambda: "numpy")
-    with pytest.raises(StudyError, match="has other code than this machine for kernels"):
-        engines._check_code({"tcp://127.0.0.1:1": there})
+    engines._check_kernels({"tcp://127.0.0.1:1": "numpy"})
+    with pytest.raises(
+        StudyError, match=r"the Dask worker tcp://127.* takes the kernels of numba and this machine those"
+    ):
+        engines._check_kernels({"tcp://127.0.0.1:1": "numba"})
 
 
 @pytest.mark.filterwarnings("default")
@@ -111,14 +111,14 @@ def test_any_executor_interrupts_hanging_cells_and_survives_crashing_ones(run):
         "stopped at the time limit of 0.1 s",
         "the worker process was ended by SIGSEGV during this cell",
     ]
-    assert run("here", "stub-hang,stub-crash,stub-seeded", 1, 0.1, jobs=1)[1] == there
+    assert run("here", "stub-hang,stub-crash,stub-seeded", 1, 0.1, workers=1)[1] == there
     print(f"\ncells that hung: 1, that crashed: 1, on two engines; cells lost: {3 - len(results)}")
 
 
 @pytest.mark.skipif(not MEMORY, reason="memory is limited on Linux only")
 def test_memory_is_limited_in_every_engine_and_the_rest_goes_on(run):
     options = RunOptions(memory=500 * 10**6)
-    results, here = run("here", "stub-greedy,stub-seeded", 1, jobs=1, options=options)
+    results, here = run("here", "stub-greedy,stub-seeded", 1, workers=1, options=options)
     greedy, fine = results
     assert (greedy.status, greedy.message) == (Status.FAILED, "memory ran out")
     assert fine.status is Status.FINISHED
@@ -127,9 +127,15 @@ def test_memory_is_limited_in_every_engine_and_the_rest_goes_on(run):
 
 
 def test_fresh_runs_stored_cells_again_and_replaces_them(run, tiny_case, tmp_path):
-    _, before = run("r", "stub-steady,stub-seeded", jobs=1)
+    _, before = run("r", "stub-steady,stub-seeded", workers=1)
     told = []
-    results, after = run("r", "stub-steady,stub-seeded", jobs=1, options=RunOptions(fresh=True), on_result=told.append)
+    results, after = run(
+        "r",
+        "stub-steady,stub-seeded",
+        workers=1,
+        options=RunOptions(fresh=True),
+        on_outcome=lambda job, result: told.append(result),
+    )
     assert after == before
     assert len(told) == len(results) == 3
     assert sorted(result.wall_time for result in results) == sorted(result.wall_time for result in told)

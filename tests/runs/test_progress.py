@@ -12,11 +12,11 @@ from study.cases.library import Case
 from study.planning import Meter
 from study.registry import planner_named
 from study.runs import progress
-from study.runs.execute import Task, execute
+from study.runs.execute import CellJob, cell_jobs
 from study.runs.lineup import Budget, make_cells, parse_specs
 from study.runs.pool import Overdue, WorkerPool, speaker
 from study.runs.progress import Progress, reporting
-from study.runs.runner import RunOptions, run_cells
+from study.runs.runner import RunOptions, run_jobs
 from study.store.results import Cell
 from study.store.store import Store
 
@@ -51,7 +51,7 @@ def test_reports_agree_with_the_history_that_the_search_hands_in(
 def test_a_search_that_nobody_watches_reports_nothing(tiny_case: Case) -> None:
     (cell,) = cells_of(tiny_case, "pso")
     assert speaker() is None
-    execute(Task(cell, tiny_case.problem))
+    CellJob(cell, tiny_case.problem).run()
     assert Meter.watch is None
 
 
@@ -60,9 +60,9 @@ def test_watching_a_run_changes_no_result(tiny_case: Case, tmp_path: Path) -> No
     cells = cells_of(tiny_case, "pso,golds-pso:scaled,shared", seeds=2)
     said: list[tuple[Cell, Progress]] = []
     digests = []
-    for name, told in (("alone", None), ("watched", lambda cell, report: said.append((cell, report)))):
-        with Store(tmp_path / f"{name}.sqlite", {"tiny": tiny_case}) as store:
-            run_cells(cells, {"tiny": tiny_case}, store, jobs=2, options=RunOptions(on_progress=told))
+    for name, told in (("alone", None), ("watched", lambda job, report: said.append((job.cell, report)))):
+        with Store(tmp_path / f"{name}.sqlite") as store:
+            run_jobs(cell_jobs(cells, {"tiny": tiny_case}), store, workers=2, options=RunOptions(on_progress=told))
             digests.append(store.digest())
     assert digests[0] == digests[1]
     assert {cell for cell, _ in said} == set(cells)  # each search reports its first population at once

@@ -14,9 +14,10 @@ import pytest
 from study.errors import StudyError
 from study.planning import Status
 from study.problem import Timing
+from study.runs.execute import CellJob, cell_jobs, stored_results
 from study.runs.lineup import Budget, make_cells, parse_specs
 from study.runs.pool import Overdue, WorkerDied, WorkerPool
-from study.runs.runner import Task, execute, hard_limit, run_cells
+from study.runs.runner import hard_limit, run_jobs
 from study.store.results import Cell
 from study.store.store import Store
 from tests.conftest import stored, wait_until
@@ -28,15 +29,15 @@ def run(tmp_path, stubs):
 
     def run_on(case, planners, seeds=3, name="r", time_limit=60.0, **options):
         cells = make_cells([case], parse_specs(planners), Budget(seeds, 60, time_limit))
-        with Store(tmp_path / f"{name}.sqlite", {case.name: case}) as store:
-            run_cells(cells, {case.name: case}, store, **options)
-            return store.results(cells), store.digest()
+        with Store(tmp_path / f"{name}.sqlite") as store:
+            run_jobs(cell_jobs(cells, {case.name: case}), store, **options)
+            return stored_results(store, cells, {case.name: case}), store.digest()
 
     return run_on
 
 
 def test_every_motion_is_judged_and_timed(run, tiny_case):
-    results, _ = run(tiny_case, "stub-steady,stub-seeded,pso:scaled,shared", jobs=1)
+    results, _ = run(tiny_case, "stub-steady,stub-seeded,pso:scaled,shared", workers=1)
     assert len(results) == 7
     for result in results:
         assert result.status is Status.FINISHED
@@ -50,8 +51,8 @@ def test_results_are_the_same_whatever_the_executor_and_the_number_of_workers(ru
     planners = "stub-steady,stub-seeded,pso,golds-pso:scaled,shared,ruckig-stops"
     with ThreadPoolExecutor(2) as threads, ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
         digests = [
-            run(tiny_case, planners, name="one", jobs=1)[1],
-            run(tiny_case, planners, name="three", jobs=3)[1],
+            run(tiny_case, planners, name="one", workers=1)[1],
+            run(tiny_case, planners, name="three", workers=3)[1],
             run(tiny_case, planners, name="threads", executor=threads)[1],
             run(tiny_case, planners, name="processes", executor=processes)[1],
         ]
@@ -60,7 +61,7 @@ def test_results_are_the_same_whatever_the_executor_and_the_number_of_workers(ru
 
 def test_failures_become_results_with_their_reason(run, tiny_case):
     planners = "stub-crash,stub-exit,stub-raise,stub-refuse,stub-odd,stub-unsendable,stub-steady"
-    results, digest = run(tiny_case, planners, seeds=2, jobs=2)
+    results, digest = run(tiny_case, planners, seeds=2, workers=2)
     reasons = {result.cell.planner: result.message for result in results if result.status is Status.FAILED}
     assert reasons == {
         "stub-crash": "the worker process was ended by SIGSEGV during this cell",
@@ -72,12 +73,12 @@ def test_failures_become_results_with_their_reason(run, tiny_case):
     }
     assert "cannot be sent between processes" in reasons["stub-unsendable"]
     assert [r.status for r in results if r.cell.planner == "stub-steady"] == [Status.FINISHED]
-    assert run(tiny_case, planners, seeds=2, jobs=1, name="again")[1] == digest
+    assert run(tiny_case, planners, seeds=2, workers=1, name="again")[1] == digest
 
 
 def test_an_overdue_cell_is_interrupted_and_the_rest_goes_on(run, tiny_case):
     started = time.monotonic()
-    results, _ = run(tiny_case, "stub-hang,stub-seeded", seeds=1, time_limit=0.1, jobs=1)
+    results, _ = run(tiny_case, "stub-hang,stub-seeded", seeds=1, time_limit=0.1, workers=1)
     assert time.monotonic() - started < 30
     hung, fine = results
     assert (hung.status, hung.message) == (Status.TIMED_OUT, "stopped at the time limit of 0.1 s")
@@ -89,9 +90,11 @@ def test_only_what_is_missing_is_run(tmp_path, stubs, tiny_case):
     some = make_cells([tiny_case], parse_specs("stub-seeded"), Budget(2))
     more = make_cells([tiny_case], parse_specs("stub-seeded,stub-steady"), Budget(4))
     told = []
-    with Store(tmp_path / "r.sqlite", cases) as store, ThreadPoolExecutor(1) as executor:
+    with Store(tmp_path / "r.sqlite") as store, ThreadPoolExecutor(1) as executor:
         for cells in (some, more, more):
-            run_cells(cells, cases, store, executor=executor, on_result=lambda result: told.append(result.cell))
+            run_jobs(
+                cell_jobs(cells, cases), store, executor=executor, on_outcome=lambda job, result: told.append(job.cell)
+            )
     assert sorted(told, key=str) == sorted(more, key=str)
     assert told[:2] == some
 
@@ -111,29 +114,33 @@ def test_a_broken_executor_is_one_sentence_and_what_was_stored_stays(tmp_path, s
 
     cases = {"tiny": tiny_case}
     cells = make_cells([tiny_case], parse_specs("stub-seeded"), Budget(1))
-    with Store(tmp_path / "r.sqlite", cases) as store:
+    with Store(tmp_path / "r.sqlite") as store:
         executor = Breaking()
-        run_cells(cells, cases, store, executor=executor)
+        run_jobs(cell_jobs(cells, cases), store, executor=executor)
         with pytest.raises(
-            StudyError, match=r"the executor gave up \(BrokenExecutor: gone\); finished cells are stored"
+            StudyError, match=r"the executor gave up \(BrokenExecutor: gone\); finished jobs are stored"
         ):
-            run_cells(make_cells([tiny_case], parse_specs("stub-seeded"), Budget(3)), cases, store, executor=executor)
-        assert store.missing(cells) == []
+            run_jobs(
+                cell_jobs(make_cells([tiny_case], parse_specs("stub-seeded"), Budget(3)), cases),
+                store,
+                executor=executor,
+            )
+        assert store.missing(cell_jobs(cells, cases)) == []
 
 
 def test_impossible_numbers_of_jobs_are_refused(run, tiny_case):
     with pytest.raises(StudyError, match="jobs must be at least 1, got 0"):
-        run(tiny_case, "stub-steady", jobs=0)
+        run(tiny_case, "stub-steady", workers=0)
 
 
 def test_wall_time_is_the_planners_alone(stubs, tiny_case):
     cell = make_cells([tiny_case], parse_specs("stub-slow"), Budget(1))[0]
-    assert 0.15 <= execute(Task(cell, tiny_case.problem)).wall_time < 1.0
+    assert 0.15 <= CellJob(cell, tiny_case.problem).run().wall_time < 1.0
 
 
 def test_the_hard_limit_leaves_a_solver_time_to_stop_by_itself(stubs, tiny_case):
-    task = Task(make_cells([tiny_case], parse_specs("stub-slow"), Budget(1, 10, 8.0))[0], tiny_case.problem)
-    assert hard_limit(task) == 12.0
+    job = CellJob(make_cells([tiny_case], parse_specs("stub-slow"), Budget(1, 10, 8.0))[0], tiny_case.problem)
+    assert hard_limit(job) == 12.0
 
 
 def environment_of_worker():
@@ -185,17 +192,17 @@ KILL_SCRIPT = """
 import sys
 from pathlib import Path
 from study.cases.library import load_case
+from study.runs.execute import cell_jobs, stored_results
 from study.runs.lineup import Budget, make_cells, parse_specs
-from study.runs.runner import run_cells
-from study.store.results import Cell
+from study.runs.runner import run_jobs
 from study.store.store import Store
 
 if __name__ == "__main__":
     path, case, jobs = Path(sys.argv[1]), load_case(sys.argv[2]), int(sys.argv[3])
     cells = make_cells([case], parse_specs("stub-slow,pso:scaled,shared,stub-crash,stub-steady"), Budget(4, 60))
-    with Store(path, {case.name: case}) as store:
-        run_cells(cells, {case.name: case}, store, jobs=jobs)
-        print(len(store.results(cells)), store.digest())
+    with Store(path) as store:
+        run_jobs(cell_jobs(cells, {case.name: case}), store, workers=jobs)
+        print(len(stored_results(store, cells, {case.name: case})), store.digest())
 """
 
 
@@ -242,7 +249,7 @@ def test_a_demand_that_a_planner_does_not_know_keeps_it_from_running(stubs, tiny
     limits = replace(tiny_case.problem.limits, min_velocity=np.array([-0.5, -0.8]))
     problem = replace(tiny_case.problem, limits=limits)
     cell = make_cells([tiny_case], parse_specs("stub-hang"), Budget(1, 60))[0]
-    result = execute(Task(cell, problem))
+    result = CellJob(cell, problem).run()
     assert (result.status, result.motion) == (Status.NOT_APPLICABLE, None)
     assert result.message == "the planner does not know limits that differ by direction, which the problem asks for"
 
@@ -252,8 +259,8 @@ def test_a_demand_that_a_planner_does_not_know_keeps_it_from_running(stubs, tiny
 )
 def test_any_planner_fits_a_demanded_duration_by_slowing_down(tiny_case, timing, duration):
     problem = replace(tiny_case.problem, timing=Timing(**timing))
-    fastest = execute(Task(Cell("tiny", "centre", "centre", tiny_case.settings), tiny_case.problem)).verdict.duration
-    result = execute(Task(Cell("tiny", "centre", "centre", tiny_case.settings), problem))
+    fastest = CellJob(Cell("tiny", "centre", "centre", tiny_case.settings), tiny_case.problem).run().verdict.duration
+    result = CellJob(Cell("tiny", "centre", "centre", tiny_case.settings), problem).run()
     assert fastest < duration
     assert result.verdict.duration == pytest.approx(duration)
     assert not [reason for reason in result.verdict.reasons if "lasts" in reason]
@@ -261,6 +268,6 @@ def test_any_planner_fits_a_demanded_duration_by_slowing_down(tiny_case, timing,
 
 def test_a_demanded_duration_that_is_too_short_is_the_reason(tiny_case):
     problem = replace(tiny_case.problem, timing=Timing(exactly=0.01))
-    result = execute(Task(Cell("tiny", "centre", "centre", tiny_case.settings), problem))
+    result = CellJob(Cell("tiny", "centre", "centre", tiny_case.settings), problem).run()
     assert result.motion is None
     assert "longer than the 0.01 s it must take" in result.message

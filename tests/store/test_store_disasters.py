@@ -4,17 +4,19 @@ import sqlite3
 import subprocess
 import sys
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from study.errors import StudyError
+from study.runs.execute import CellJob, stored_results
 from study.runs.lineup import Budget, Spec, make_cells
-from study.runs.runner import Task, execute
-from study.store import schema as layout
-from study.store.codec import pack_arrays
-from study.store.maintenance import verify
-from study.store.store import CHECKED, Store, remembered_lineup, row_digest
+from study.store.codec import checksum
+from study.store.maintenance import compact, export_columns, merge, tallies, verify
+from study.store.row import CHECKED, SEALED, Row, row_digest
+from study.store.store import Store
+from tests.helpers.stores import change, with_jobs
 
 ROOT = Path(__file__).parents[2]
 
@@ -26,56 +28,7 @@ def cells(stubs, tiny_case):
 
 @pytest.fixture
 def results(cells, tiny_problem):
-    return [execute(Task(cell, tiny_problem)) for cell in cells]
-
-
-@pytest.fixture
-def old_file(tmp_path, cells, results, tiny_case):
-    """A file of the first layout, with the same rows and line-up, and its digest."""
-    path, new = tmp_path / "old.sqlite", tmp_path / "new.sqlite"
-    with Store(new, {"tiny": tiny_case}) as store:
-        store.add(*results)
-        store.remember_lineup(cells, {"tiny": "tiny"})
-        digest = store.digest()
-    names = f"{CHECKED}, digest, wall_time, times"
-    with closing(sqlite3.connect(path)) as connection:
-        connection.executescript(
-            f"{layout.SCHEMA_1} PRAGMA application_id = {layout.APPLICATION_ID}; PRAGMA user_version = 1;"
-        )
-        connection.execute("ATTACH ? AS new", (str(new),))
-        connection.execute(f"INSERT INTO results ({names}) SELECT {names} FROM new.results")
-        connection.execute(
-            "INSERT INTO payloads SELECT key, document, arrays FROM new.results JOIN new.payloads USING (id)"
-        )
-        connection.execute("INSERT INTO lineup SELECT * FROM new.lineup")
-        connection.commit()
-    return path, digest
-
-
-@pytest.mark.parametrize("write", [True, False])
-def test_a_file_of_the_first_layout_is_brought_to_this_one(old_file, cells, tiny_case, write):
-    path, digest = old_file
-    with Store(path, {"tiny": tiny_case}, write=write) as store:
-        assert store.digest() == digest
-        assert [result.cell for result in store.results(cells)] == cells
-    assert verify(path) == (4, [])
-    assert remembered_lineup(path) == (cells, {"tiny": "tiny"})
-    with closing(sqlite3.connect(path)) as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (layout.SCHEMA_VERSION,)
-        labels = connection.execute("SELECT DISTINCT label FROM results ORDER BY label").fetchall()
-        assert labels == [("stub-seeded",), ("stub-steady",)]
-
-
-def test_a_migration_that_fails_leaves_the_old_file_as_it_was(old_file, tiny_case, monkeypatch):
-    path, _ = old_file
-    before = path.read_bytes()
-    monkeypatch.setitem(layout.MIGRATIONS, 1, layout.MIGRATIONS[1] + "INSERT INTO nowhere VALUES (1);")
-    with pytest.raises(StudyError, match="no such table: nowhere"):
-        Store(path, {"tiny": tiny_case})
-    with closing(sqlite3.connect(path)) as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (1,)
-        assert connection.execute("SELECT count(*) FROM payloads JOIN results USING (key)").fetchone() == (4,)
-    assert path.read_bytes()[100:] == before[100:]  # the header notes the journal mode
+    return [CellJob(cell, tiny_problem).run() for cell in cells]
 
 
 FILL = """
@@ -85,24 +38,24 @@ from pathlib import Path
 import numpy as np
 from study.errors import StudyError
 from study.runs.lineup import Budget, Spec, make_cells
-from study.runs.runner import Task, execute
+from study.runs.execute import CellJob
 from study.store.store import Store
 from tests.conftest import case_of
-from tests.helpers.stores import TINY
+from tests.helpers.stores import TINY, with_jobs
 
 case = case_of(TINY)
 cell = make_cells([case], [Spec("stub-seeded")], Budget(1, 50))[0]
-result = execute(Task(cell, TINY))
+result = CellJob(cell, TINY).run()
 stored = 0
 if sys.argv[2] != "0":
     import signal
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), resource.RLIM_INFINITY))
 try:
-    with Store(Path(sys.argv[1]), {"tiny": case}) as store:
+    with Store(Path(sys.argv[1])) as store:
         for seed in range(10000):
             many = replace(result, cell=replace(cell, settings=replace(cell.settings, seed=seed)), history=np.full((500, 2), seed))
-            store.add(many)
+            store.add(*with_jobs([many]))
             stored += 1
 except StudyError as error:
     print(stored, error)
@@ -152,31 +105,141 @@ def test_a_full_disk_is_one_sentence_and_keeps_all_that_was_stored(small_disk, s
 def test_the_full_disk_of_a_run_that_has_not_begun_is_one_sentence(small_disk, tiny_case):
     (small_disk / "filler").write_bytes(b"x" * 512 * 1024)
     with pytest.raises(StudyError, match=r"cannot (use the results file|write to the output folder)"):
-        Store(small_disk / "r.sqlite", {"tiny": tiny_case})
+        Store(small_disk / "r.sqlite")
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="for everyone else, tests of the store look at permissions")
 def test_a_read_only_disk_is_one_sentence_and_can_be_read(small_disk, tiny_case, cells, results):
     path = small_disk / "r.sqlite"
-    with Store(path, {"tiny": tiny_case}) as store:
-        store.add(*results)
+    with Store(path) as store:
+        store.add(*with_jobs(results))
     subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
     with pytest.raises(StudyError, match="cannot write to the output folder"):
-        Store(path, {"tiny": tiny_case})
-    with Store(path, {"tiny": tiny_case}, write=False) as store:
-        assert len(store.results(cells)) == 4
+        Store(path)
+    with Store(path, write=False) as store:
+        assert len(stored_results(store, cells, {"tiny": tiny_case})) == 4
 
 
-def test_rows_written_by_hand_carry_a_checksum_of_exactly_their_columns(tmp_path, tiny_case, results):
+@pytest.fixture
+def filled(tmp_path, results):
     path = tmp_path / "r.sqlite"
-    with Store(path, {"tiny": tiny_case}) as store:
-        store.add(results[0])
-    with closing(sqlite3.connect(path)) as connection:
-        *columns, digest, document, arrays = connection.execute(
-            f"SELECT {CHECKED}, digest, document, arrays FROM results JOIN payloads USING (id)"
-        ).fetchone()
-    assert row_digest(tuple(columns), document, arrays) == digest
-    for k in range(len(columns)):
-        changed = [*columns[:k], "other", *columns[k + 1 :]]
-        assert row_digest(tuple(changed), document, arrays) != digest
-    assert row_digest(tuple(columns), document, pack_arrays({})) != digest
+    with Store(path) as store:
+        store.add(*with_jobs(results))
+    return path
+
+
+def test_every_column_and_the_payload_stand_under_a_checksum(filled, results):
+    names = [*CHECKED.split(", "), *SEALED.split(", "), "seal"]
+    for number, name in enumerate(names, 1):
+        other = (
+            "0.5" if name in ("wall_time", "duration", "worst_ratio") else "1 - feasible" if name == "feasible" else "7"
+        )
+        other = other if name in ("seed", "evaluations") or "." in other or "-" in other else "'other'"
+        change(filled, f"UPDATE results SET {name} = {other} WHERE id = 1")
+        count, damaged = verify(filled)
+        assert (count, len(damaged)) == (4, 1), name
+        filled.unlink()
+        with Store(filled) as store:
+            store.add(*with_jobs(results))
+        assert number
+
+
+def test_a_deleted_file_is_said_at_the_next_result_and_at_the_end(filled, results):
+    with pytest.raises(StudyError, match=r"results file .* was deleted or replaced while it was in use"), Store(filled):
+        filled.unlink()
+    with Store(filled) as store:
+        store.add(*with_jobs(results[:1]))
+        filled.unlink()
+        filled.write_bytes(b"")
+        with pytest.raises(StudyError, match="was deleted or replaced"):
+            store.add(*with_jobs(results[1:]))
+        with Store(filled.with_name("other")):
+            pass
+        filled.with_name("other").rename(filled)
+        with pytest.raises(StudyError, match="was deleted or replaced"):
+            store.note("a", 1)
+        store._file = filled.stat().st_ino
+
+
+READERS = {
+    "open": lambda path: Store(path, write=False).close(),
+    "write": lambda path: Store(path).close(),
+    "verify": verify,
+    "tallies": tallies,
+    "export": lambda path: export_columns(path, path.with_name("e.csv")),
+    "merge": lambda path: merge(path.with_name("m"), path),
+    "compact": compact,
+}
+
+
+@pytest.mark.parametrize("reader", READERS)
+@pytest.mark.parametrize("trap", ["fifo", "folder", "schema text", "view", "long"])
+def test_hostile_files_end_in_one_sentence_at_once(filled, reader, trap):
+    if trap in ("fifo", "folder"):
+        filled.unlink()
+        os.mkfifo(filled) if trap == "fifo" else filled.mkdir()
+    elif trap == "schema text":  # one accidental byte that is no UTF-8
+        content = filled.read_bytes()
+        place = content.index(b"CREATE TABLE payloads")
+        filled.write_bytes(content[:place] + b"\xff" + content[place + 1 :])
+    elif trap == "view":
+        change(
+            filled,
+            "DROP TABLE notes",
+            "CREATE VIEW notes AS WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c) SELECT x FROM c",
+        )
+    else:
+        filled = filled.with_name("x" * 4000)
+    with pytest.raises(StudyError) as raised:
+        READERS[reader](filled)
+    assert "\n" not in str(raised.value)
+    assert not list(filled.parent.glob("*.part"))
+
+
+def test_a_folder_in_the_place_of_the_lock_is_one_sentence(tmp_path):
+    (tmp_path / "r.sqlite.lock").mkdir()
+    with pytest.raises(StudyError, match=r"cannot write to the output folder .*r\.sqlite\.lock"):
+        Store(tmp_path / "r.sqlite")
+
+
+@pytest.mark.parametrize("junk", ["duration = 'xyz'", "label = x'ff00'", "wall_time = 'abc'", "feasible = 7"])
+def test_values_of_another_kind_are_found_before_anything_is_read(filled, junk, tmp_path):
+    change(filled, f"UPDATE results SET {junk}")
+    for read in (verify, tallies, lambda path: export_columns(path, tmp_path / "e.parquet")):
+        with pytest.raises(StudyError, match="is damaged"):
+            read(filled)
+    assert not list(tmp_path.glob("e.*"))
+
+
+@pytest.mark.parametrize(
+    ("part", "junk"),
+    [("document", "[1]"), ("document", "{"), ("document", "{}"), ("arrays", b"PK"), ("times", "["), ("status", "DONE")],
+)
+def test_junk_under_a_fitting_checksum_is_damage_too(filled, cells, tiny_case, part, junk):
+    with closing(sqlite3.connect(filled)) as connection:
+        row = Row.of(connection.execute(f"{Row.QUERY} WHERE results.id = 1").fetchone())
+        forged = forge(row, part, junk)
+        connection.execute("DELETE FROM results WHERE id = 1")
+        connection.execute(
+            f"INSERT INTO results ({CHECKED}, {SEALED}, seal, id) VALUES ({'?, ' * 17} 1)", forged.values
+        )
+        connection.execute(
+            "UPDATE payloads SET document = ?, arrays = ? WHERE id = 1", (forged.document, forged.arrays)
+        )
+        connection.commit()
+    assert len(verify(filled)[1]) == 1
+    with Store(filled, write=False) as store, pytest.raises(StudyError, match=r"the row of stub-steady .* is damaged"):
+        stored_results(store, cells, {"tiny": tiny_case})
+
+
+def forge(row, part, junk):
+    """Put junk into a row and make its checksums anew."""
+    if part in ("document", "arrays"):
+        row = replace(row, **{part: junk})
+    checked, sealed = list(row.checked), list(row.sealed)
+    if part == "status":
+        checked[CHECKED.split(", ").index("status")] = junk
+    sealed[1] = row_digest(tuple(checked), row.document, row.arrays)
+    if part == "times":
+        sealed[3] = junk
+    return replace(row, checked=tuple(checked), sealed=tuple(sealed), seal=checksum(sealed))

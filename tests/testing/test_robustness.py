@@ -7,8 +7,9 @@ import pytest
 
 from study.planning import Status
 from study.problem import EndCondition, JointLimits, Problem
+from study.runs.execute import CellJob, cell_jobs, stored_results
 from study.runs.lineup import Budget, make_cells, parse_specs
-from study.runs.runner import hard_limit, run_cells
+from study.runs.runner import hard_limit, run_jobs
 from study.store.maintenance import verify
 from study.store.store import Store
 from tests.conftest import case_of
@@ -52,14 +53,14 @@ def test_hostile_problems_end_in_time_with_a_record_and_the_pool_lives_on(tmp_pa
     case = case_of(HOSTILE[name], curve)
     cells = make_cells([case], parse_specs(f"{PLANNERS},stub-crash,stub-steady"), Budget(1, 50, LIMIT))
     begun = time.monotonic()
-    with Store(tmp_path / "r", {case.name: case}) as store:
-        run_cells(cells, {case.name: case}, store, jobs=1)
-        results = store.results(cells)
+    with Store(tmp_path / "r") as store:
+        run_jobs(cell_jobs(cells, {case.name: case}), store, workers=1)
+        results = stored_results(store, cells, {case.name: case})
     spent = time.monotonic() - begun
     print(f"\n{name}: {spent:.1f} s", {result.cell.planner: result.status.name for result in results})
     assert [result.cell for result in results] == cells
     # Crashed workers are tried twice and every new one has imports to do.
-    assert spent < sum(hard_limit(type("T", (), {"cell": cell})) for cell in cells) + 60
+    assert spent < sum(hard_limit(CellJob(cell, case.problem)) for cell in cells) + 60
     for result in results:
         if result.status is not Status.FINISHED:
             assert result.message, result.cell

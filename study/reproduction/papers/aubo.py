@@ -14,8 +14,8 @@ from study.cases.published import Cell, parsed
 from study.planners.aubo import DYNAMIC_ADAPTIVE_PSO, DYNAMIC_ADAPTIVE_PSO_AS_PRINTED
 from study.reproduction import rules
 from study.reproduction.duration_rows import Row, rule
-from study.reproduction.jobs import Job
-from study.reproduction.motion_runs import MotionCell, OptimumCell, Summary
+from study.reproduction.jobs import RecordJob
+from study.reproduction.motion_runs import MotionJob, OptimumJob, Summary
 from study.reproduction.paper import Drive, Panel, PaperRuns
 from study.reproduction.verdicts import Outcome, Place, Ruling, Rulings, claim
 from study.robots import robot_named
@@ -44,24 +44,24 @@ class Aubo(PaperRuns):
     short: ClassVar[str] = "aubo"
     maps: ClassVar[tuple[str, ...]] = ()
 
-    def motion(self, case: str, name: str, joint: int) -> MotionCell:
+    def motion(self, case: str, name: str, joint: int) -> MotionJob:
         """Job of one joint."""
-        return MotionCell(case, SEARCHES[name], joint, 20, self.effort.generations(50), self.effort.seeds)
+        return MotionJob(case, SEARCHES[name], joint, 20, self.effort.generations(50), self.effort.seeds)
 
     def _names(self, case: str) -> list[str]:
         names = ["adaptive"] + (["adaptive as printed"] if self.effort.all_readings else [])
         return [*names, "PSO"] if case == "aubo-i5" else names
 
-    def jobs(self) -> list[Job]:
+    def jobs(self) -> list[RecordJob]:
         """All that the paper's page needs."""
-        found: list[Job] = []
+        found: list[RecordJob] = []
         for case in (name for pair in CASES.values() for name in pair):
             found += [self.motion(case, name, joint) for name in self._names(case) for joint in JOINTS]
-            found += [OptimumCell(case)]
+            found += [OptimumJob(case)]
         return [
             *found,
-            *(OptimumCell("aubo-i5", joint) for joint in JOINTS),
-            *(OptimumCell("aubo-i5-radians", joint) for joint in (0, 2)),
+            *(OptimumJob("aubo-i5", joint) for joint in JOINTS),
+            *(OptimumJob("aubo-i5-radians", joint) for joint in (0, 2)),
         ]
 
     def rulings(self) -> Rulings:

@@ -11,17 +11,17 @@ from scipy import stats
 from study.planners.rrt_spso import METHODS
 from study.reproduction import rules
 from study.reproduction.effort import Effort
-from study.reproduction.jobs import Job, Runs
-from study.reproduction.path_runs import PathAttempts, attempts
+from study.reproduction.jobs import RecordJob, Runs
+from study.reproduction.path_runs import PathJob, attempts
 from study.reproduction.verdicts import Rulings, claim
 
 
-def _attempts(method: str, effort: Effort) -> list[PathAttempts]:
+def _attempts(method: str, effort: Effort) -> list[PathJob]:
     """Population and generations as on the paper's case; both are ours."""
     return attempts(method, effort.attempts, 30, effort.generations(100))
 
 
-def jobs(effort: Effort) -> list[Job]:
+def jobs(effort: Effort) -> list[RecordJob]:
     """All worlds of all methods."""
     return [job for method in METHODS for job in _attempts(method, effort)]
 

@@ -13,9 +13,9 @@ from study.cases.published import Cell, Table, parsed
 from study.planners.puma import CHAOTIC_SPSO, CHAOTIC_SPSO_AS_PRINTED
 from study.reproduction import rules
 from study.reproduction.duration_rows import Row, rule, size
-from study.reproduction.genetic_runs import GeneticCell
-from study.reproduction.jobs import Job
-from study.reproduction.motion_runs import MotionCell, OptimumCell, Summary, judged, summarised, synchronised
+from study.reproduction.genetic_runs import GeneticJob
+from study.reproduction.jobs import RecordJob
+from study.reproduction.motion_runs import MotionJob, OptimumJob, Summary, judged, summarised, synchronised
 from study.reproduction.paper import Drive, Panel, PaperRuns
 from study.reproduction.papers import collisions
 from study.reproduction.uniformity import more_uniform
@@ -40,20 +40,20 @@ class Puma(PaperRuns):
     short: ClassVar[str] = "puma"
     maps: ClassVar[tuple[str, ...]] = ("uniform", "logistic", "circle", "singer", "sine-tent-cosine")
 
-    def motion(self, joint: int, printed: bool = False) -> MotionCell:
+    def motion(self, joint: int, printed: bool = False) -> MotionJob:
         """Job of one column of Table 5; population and generations are ours."""
         search = (CHAOTIC_SPSO_AS_PRINTED if printed else CHAOTIC_SPSO).search
-        return MotionCell(CASE, search, joint, 30, self.effort.generations(100), self.effort.seeds)
+        return MotionJob(CASE, search, joint, 30, self.effort.generations(100), self.effort.seeds)
 
-    def genetic(self, joint: int) -> GeneticCell:
+    def genetic(self, joint: int) -> GeneticJob:
         """Job of NSGA-II on one joint that moves."""
-        return GeneticCell(CASE, joint, 30, self.effort.generations(100), min(self.effort.seeds, 5))
+        return GeneticJob(CASE, joint, 30, self.effort.generations(100), min(self.effort.seeds, 5))
 
-    def jobs(self) -> list[Job]:
+    def jobs(self) -> list[RecordJob]:
         """All that the paper's page needs."""
-        found: list[Job] = [*self.benchmarks.jobs(), OptimumCell(CASE)]
+        found: list[RecordJob] = [*self.benchmarks.jobs(), OptimumJob(CASE)]
         for joint in JOINTS:
-            found += [self.motion(joint), OptimumCell(CASE, joint), self.genetic(joint)]
+            found += [self.motion(joint), OptimumJob(CASE, joint), self.genetic(joint)]
             found += [self.motion(joint, True)] if self.effort.all_readings else []
         return found + collisions.jobs(self.effort)
 

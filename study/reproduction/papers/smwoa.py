@@ -13,8 +13,8 @@ from study.planners import smwoa as planners
 from study.problem import Floats
 from study.reproduction import rules
 from study.reproduction.duration_rows import Row, rule
-from study.reproduction.jobs import Job
-from study.reproduction.motion_runs import MotionCell, OptimumCell, Summary
+from study.reproduction.jobs import RecordJob
+from study.reproduction.motion_runs import MotionJob, OptimumJob, Summary
 from study.reproduction.paper import Drive, Panel, PaperRuns
 from study.reproduction.verdicts import Outcome, Place, Rulings, claim, missing
 
@@ -40,14 +40,14 @@ class Smwoa(PaperRuns):
     short: ClassVar[str] = "smwoa"
     maps: ClassVar[tuple[str, ...]] = ()
 
-    def motion(self, algorithm: str, printed: bool = False) -> MotionCell:
+    def motion(self, algorithm: str, printed: bool = False) -> MotionJob:
         """Job of one row of Table 6."""
         search = (AS_PRINTED if printed else SEARCHES)[algorithm]
-        return MotionCell(CASE, search, None, 100, self.effort.generations(100), self.effort.seeds)
+        return MotionJob(CASE, search, None, 100, self.effort.generations(100), self.effort.seeds)
 
-    def jobs(self) -> list[Job]:
+    def jobs(self) -> list[RecordJob]:
         """All that the paper's page needs."""
-        found: list[Job] = [*self.benchmarks.jobs(), OptimumCell(CASE), OptimumCell("ur5-bspline-rest")]
+        found: list[RecordJob] = [*self.benchmarks.jobs(), OptimumJob(CASE), OptimumJob("ur5-bspline-rest")]
         found += [self.motion(algorithm) for algorithm in SEARCHES]
         return found + [self.motion(algorithm, True) for algorithm in AS_PRINTED if self.effort.all_readings]
 

@@ -11,9 +11,9 @@ from study.cases.library import load_case
 from study.planners import sparrow as planners
 from study.reproduction import rules
 from study.reproduction.duration_rows import Row, rule
-from study.reproduction.jobs import Job, Record
-from study.reproduction.kinematics_runs import InverseTiming
-from study.reproduction.motion_runs import MotionCell, OptimumCell, Summary, judged
+from study.reproduction.jobs import MEASURED, Record, RecordJob
+from study.reproduction.kinematics_runs import KinematicsJob
+from study.reproduction.motion_runs import MotionJob, OptimumJob, Summary, judged
 from study.reproduction.paper import Drive, Panel, PaperRuns
 from study.reproduction.uniformity import more_uniform
 from study.reproduction.verdicts import Outcome, Place, Ruling, Rulings, claim, missing
@@ -44,14 +44,14 @@ class Sparrow(PaperRuns):
     short: ClassVar[str] = "sparrow"
     maps: ClassVar[tuple[str, ...]] = ("uniform", "tent", "perturbed-tent")
 
-    def motion(self, variant: str, printed: bool = False) -> MotionCell:
+    def motion(self, variant: str, printed: bool = False) -> MotionJob:
         """Job of one column of Table 5."""
         search = (AS_PRINTED if printed else SEARCHES)[variant]
-        return MotionCell(CASE, search, None, 100, self.effort.generations(80), self.effort.seeds)
+        return MotionJob(CASE, search, None, 100, self.effort.generations(80), self.effort.seeds)
 
-    def jobs(self) -> list[Job]:
+    def jobs(self) -> list[RecordJob]:
         """All that the paper's page needs."""
-        found: list[Job] = [OptimumCell(CASE), InverseTiming()]
+        found: list[RecordJob] = [OptimumJob(CASE), KinematicsJob()]
         found += [self.motion(variant) for variant in SEARCHES]
         return found + [self.motion(variant, True) for variant in AS_PRINTED if self.effort.all_readings]
 
@@ -123,7 +123,7 @@ class Sparrow(PaperRuns):
         return found | {claim("total-runs"): rules.contradicts(why)}
 
     def _timing(self) -> Rulings:
-        seconds, known = self.runs[InverseTiming()], self.claims
+        seconds, known = self.runs[KinematicsJob()][MEASURED], self.claims
         saving = {way: 100 * (1 - seconds[f"{way} one"] / seconds[f"{way} eight"]) for way in ("scalar", "vectorised")}
         text = f"{saving['scalar']:.0f} % pose by pose, {saving['vectorised']:.0f} % vectorised"
         agrees = min(saving.values()) >= known["ik-saving"].value

@@ -11,8 +11,8 @@ from study.cases.library import load_case
 from study.planners import woodworking as planners
 from study.reproduction import rules
 from study.reproduction.duration_rows import Row, rule, size
-from study.reproduction.jobs import Job
-from study.reproduction.motion_runs import MotionCell, OptimumCell, Summary
+from study.reproduction.jobs import RecordJob
+from study.reproduction.motion_runs import MotionJob, OptimumJob, Summary
 from study.reproduction.paper import Drive, Panel, PaperRuns
 from study.reproduction.uniformity import more_uniform
 from study.reproduction.verdicts import Place, Ruling, Rulings, claim
@@ -34,15 +34,15 @@ class Woodworking(PaperRuns):
     short: ClassVar[str] = "woodworking"
     maps: ClassVar[tuple[str, ...]] = ("uniform", "circle")
 
-    def motion(self, algorithm: str, joint: int) -> MotionCell:
+    def motion(self, algorithm: str, joint: int) -> MotionJob:
         """Job of one row of Table 5."""
-        return MotionCell(CASE, SEARCHES[algorithm], joint, 50, self.effort.generations(300), self.effort.seeds)
+        return MotionJob(CASE, SEARCHES[algorithm], joint, 50, self.effort.generations(300), self.effort.seeds)
 
-    def jobs(self) -> list[Job]:
+    def jobs(self) -> list[RecordJob]:
         """All that the paper's page needs."""
-        found: list[Job] = [*self.benchmarks.jobs()]
+        found: list[RecordJob] = [*self.benchmarks.jobs()]
         found += [self.motion(algorithm, joint) for algorithm, joint in product(SEARCHES, JOINTS)]
-        return [*found, *(OptimumCell(CASE, joint) for joint in JOINTS), OptimumCell(CASE)]
+        return [*found, *(OptimumJob(CASE, joint) for joint in JOINTS), OptimumJob(CASE)]
 
     def rulings(self) -> Rulings:
         """Rule on everything."""

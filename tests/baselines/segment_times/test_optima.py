@@ -11,8 +11,9 @@ from baselines.bounds.certified import certify, obstacle
 from baselines.segment_times.nlp import optimise
 from study.cases.library import case_names, load_case
 from study.problem import JointLimits, Problem
+from study.runs.execute import cell_jobs, stored_results
 from study.runs.lineup import Budget, Spec, make_cells
-from study.runs.runner import Task, execute
+from study.runs.runner import run_jobs
 from study.store.store import Store
 from tests.helpers.segment_problems import random_problem, shape
 
@@ -50,9 +51,9 @@ def test_started_from_any_stored_search_the_nlp_never_ends_slower(name: str, tmp
     case = load_case(name)
     specs = [Spec(search) for search in SEARCHES] + [Spec(search, "scaled", "shared") for search in SEARCHES]
     cells = make_cells([case], specs, Budget(seeds=1, evaluations=400))
-    with Store(tmp_path / "results.sqlite", {name: case}) as store:
-        store.add(*(execute(Task(cell, case.problem)) for cell in cells))
-        stored = store.results(cells)
+    with Store(tmp_path / "results.sqlite") as store:
+        run_jobs(cell_jobs(cells, {name: case}), store, workers=1)
+        stored = stored_results(store, cells, {name: case})
     feasible = [one for one in stored if one.verdict and one.verdict.feasible and one.durations is not None]
     assert len(feasible) >= len(SEARCHES)
     for one in feasible:
