@@ -121,9 +121,12 @@ class OptimumJob(RecordJob):
         return (REFERENCE,)
 
     def run(self) -> Record:
-        """Durations and total in s; the message of the solver."""
+        """Durations and total in s; the message of the solver. A joint that stands still takes the least durations."""
         case = load_case(self.case)
         problem = problem_of(case, self.joint)
+        if not problem.moving.any():
+            least = [problem.duration_bounds[0]] * problem.n_segments
+            return {"durations": least, "total": sum(least), "message": ""}
         plan = planner_named(REFERENCE).plan(problem, replace(case.settings, synchronisation=Synchronisation.SHARED))
         if plan.motion is None:
             raise StudyError(f"case {self.case!r}: {REFERENCE} found no motion: {plan.message}")

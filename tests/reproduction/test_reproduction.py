@@ -197,6 +197,11 @@ def test_a_benchmark_cell_is_plain_minimisation():
     assert CELL.run()["finals"] == record["finals"]
 
 
+def test_a_joint_that_stands_still_is_fastest_at_the_least_durations():
+    lower = load_case("puma560").problem.duration_bounds[0]
+    assert OptimumJob("puma560", 3).run()["durations"] == [lower] * 3
+
+
 def test_convergence_is_counted_from_the_descent():
     assert settled_at(np.array([10.0, 5.0, 0.005, 0.0, 0.0])) == 3
     assert settled_at(np.array([1.0, 1.0])) == 1
