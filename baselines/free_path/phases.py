@@ -20,7 +20,6 @@ from baselines.free_path.pieces import Point
 from baselines.free_path.question import Flags, FreePathProblem
 from baselines.free_path.realise import closed, leaves_range, realise, stretch
 from baselines.free_path.start import graded, spline_start
-from study.problem import Floats
 from study.trajectory import Trajectory
 
 ROUNDS = 6
@@ -36,7 +35,10 @@ SWIFT = 0.3
 """Share of the time from stop to stop below which waypoints stand in close order."""
 
 NEAR = 1e-3
-"""Distance to the end of a range, in units of length, at which it begins to count."""
+"""Distance to the end of a range, as a share of the joint's span, at which it counts once a motion leaves its range."""
+
+OUTSIDE = 5e-7
+"""Distance beyond the end of a range, as a share of the joint's span, that counts as leaving it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,20 +76,47 @@ def free_path(question: FreePathProblem, pieces: int | None = None, deadline: fl
         On the clock of `time.monotonic`.
     """
     pieces = usual_pieces(question, deadline) if pieces is None else pieces
-    held = np.zeros((question.n_segments, question.n_joints), dtype=bool)
-    model = model_of(question, pieces, held)
-    shares = graded(model)
-    point, spent = spline_start(model, shares), 0
+    held, spent = np.zeros((question.n_segments, question.n_joints), dtype=bool), 0
+    begin: Point | None = None
     for _ in range(ROUNDS):
-        outcome = _fixed_then_free(model, shares, point, deadline)
+        model, first = _first_phase(question, pieces, held, begin, deadline)
+        outcome = first if first.ending is Ending.LATE else _freed(model, first, deadline)
+        spent += outcome.iterations
+        outside = leaves_range(model, outcome.state.point, -OUTSIDE)
+        if not outside.any() or outcome.ending is Ending.LATE:
+            break
+        held, begin = held | _with_neighbours(outside), outcome.state.point
+    return _answer(model, outcome, spent)
+
+
+def _first_phase(
+    question: FreePathProblem, pieces: int, held: Flags, begin: Point | None, deadline: float
+) -> tuple[Model, Outcome]:
+    """Solve with graded widths, and hold the range of positions, noted in `held`, where the motion leaves it.
+
+    The way around the end of a range is usually near the way through it, so the last motion is where to begin.
+    """
+    spent = 0
+    while True:
+        model = model_of(question, pieces, held)
+        outcome = _graded_from(model, begin, deadline)
+        if outcome.ending not in (Ending.CONVERGED, Ending.LATE):
+            outcome = _graded_from(model, None, deadline)
         spent += outcome.iterations
         near = leaves_range(model, outcome.state.point, NEAR) & ~held
-        if not near.any() or outcome.ending is Ending.LATE:
-            break
+        if not (leaves_range(model, outcome.state.point, 0.0) & ~held).any() or outcome.ending is Ending.LATE:
+            return model, replace(outcome, iterations=spent)
         held |= _with_neighbours(near)
-        model = model_of(question, pieces, held)
-        point = _regraded(outcome.state.point, shares)
-    return _answer(model, outcome, spent)
+        begin = outcome.state.point
+
+
+def _graded_from(model: Model, begin: Point | None, deadline: float) -> Outcome:
+    """Solve with graded widths from a motion, or from a spline."""
+    shares = graded(model)
+    point = spline_start(model, shares) if begin is None else begin
+    point = point._replace(widths=shares * point.durations[:, None, None])
+    frame = frame_of(model, False, shares)
+    return solve(frame, started(frame, point, 0.1), _goals(deadline)[0])
 
 
 def usual_pieces(question: FreePathProblem, deadline: float = np.inf) -> int:
@@ -99,8 +128,7 @@ def usual_pieces(question: FreePathProblem, deadline: float = np.inf) -> int:
     if question.n_segments < CLOSE:
         return USUAL
     model = model_of(question, FEWEST)
-    frame = frame_of(model, False, graded(model))
-    outcome = solve(frame, started(frame, spline_start(model, graded(model)), 0.1), _goals(deadline)[0])
+    outcome = _graded_from(model, None, deadline)
     share = float(outcome.state.point.durations @ model.tau / model.tau.sum())
     if share < SWIFT:
         return FEWEST
@@ -112,7 +140,7 @@ def _goals(deadline: float) -> tuple[Goal, Goal, Goal]:
     return (
         Goal(barrier=1e-4, error=1e-2, iterations=100, deadline=deadline),
         Goal(barrier=1e-7, error=1e-3, iterations=120, deadline=deadline, centring=0.3, level=3e-6, damping=1e-3),
-        Goal(barrier=1e-9, error=1e-6, iterations=60, deadline=deadline),
+        Goal(barrier=1e-9, error=1e-6, iterations=60, deadline=deadline, level=1e-8),
     )
 
 
@@ -123,24 +151,26 @@ def _with_neighbours(flags: Flags) -> Flags:
     return wide
 
 
-def _regraded(point: Point, shares: Floats) -> Point:
-    return point._replace(widths=shares * point.durations[:, None, None])
-
-
-def _fixed_then_free(model: Model, shares: Floats, point: Point, deadline: float) -> Outcome:
-    goals = _goals(deadline)
-    frame = frame_of(model, False, shares)
-    first = solve(frame, started(frame, point, 0.1), goals[0])
-    frame = frame_of(model, True, shares)
-    second = solve(frame, resumed(frame, first.state, 1e-3), goals[1])
+def _freed(model: Model, first: Outcome, deadline: float) -> Outcome:
+    """Free the widths, then fix them where they came to be."""
+    _, freeing, finishing = _goals(deadline)
+    frame = frame_of(model, True, first.state.point.widths)
+    second = solve(frame, resumed(frame, first.state, 1e-3), freeing)
     widths = np.maximum(second.state.point.widths, 1e-12)
     frame = frame_of(model, False, widths / widths.sum(axis=2, keepdims=True))
-    third = solve(frame, resumed(frame, second.state, 1e-7), goals[2])
+    third = solve(frame, resumed(frame, second.state, 1e-7), finishing)
     return replace(third, iterations=first.iterations + second.iterations + third.iterations)
 
 
 def _answer(model: Model, outcome: Outcome, iterations: int) -> Answer:
-    point = closed(model, outcome.state.point)
-    factor = stretch(model, point) if model.question.scalable else 1.0
-    motion = realise(model, point)
+    """Close the equations and slow the motion down to its limits; of an unfinished motion and the start, the faster one."""
+    points = [outcome.state.point]
+    if outcome.ending is Ending.LATE and model.question.scalable:
+        points.append(spline_start(model, graded(model)))
+    candidates = [closed(model, point) for point in points]
+    factors = [stretch(model, point) if model.question.scalable else 1.0 for point in candidates]
+    times = [float(model.tau @ c.durations) * f for c, f in zip(candidates, factors, strict=True)]
+    outside = [bool(leaves_range(model, point, -OUTSIDE).any()) for point in candidates]
+    best = min(range(len(candidates)), key=lambda k: (outside[k], times[k]))
+    motion, factor = realise(model, candidates[best]), factors[best]
     return Answer(motion.scaled(factor) if factor > 1 else motion, outcome.ending, iterations, model.pieces, factor)

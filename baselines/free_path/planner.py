@@ -28,6 +28,7 @@ KNOWN = RATE_LIMITS | {
 
 STATUS = {
     Ending.CONVERGED: Status.FINISHED,
+    Ending.LEVEL: Status.FINISHED,
     Ending.LATE: Status.TIMED_OUT,
     Ending.ITERATIONS: Status.NOT_CONVERGED,
     Ending.STUCK: Status.NOT_CONVERGED,
@@ -62,7 +63,7 @@ class FreePathPlanner:
             return Plan(Status.NOT_APPLICABLE, message="no joint with a limit moves, so there is no shortest time")
         answer = free_path(question, self.pieces, deadline)
         feasible = judge(problem, answer.motion).feasible
-        if not feasible and answer.ending is not Ending.CONVERGED:
+        if not feasible and STATUS[answer.ending] is not Status.FINISHED:
             return Plan(Status.FAILED, iterations=answer.iterations, message=f"interior point: {answer.ending.value}")
         return Plan(
             STATUS[answer.ending],

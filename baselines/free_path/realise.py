@@ -52,7 +52,7 @@ def stretch(model: Model, point: Point) -> float:
 
 
 def leaves_range(model: Model, point: Point, margin: float) -> Flags:
-    """Where a motion comes closer to the end of its range of positions than a share of its unit of length.
+    """Where a motion comes closer to the end of its range of positions than a share of the joint's span; beyond, if negative.
 
     Returns
     -------
@@ -60,9 +60,9 @@ def leaves_range(model: Model, point: Point, margin: float) -> Flags:
     """
     question, joints = model.question, model.joints
     place = _positions(model, point)
-    unit = margin * model.units[model.kinds - 1, np.arange(len(joints))]
+    room = margin * np.ptp(question.waypoints[:, joints], axis=0)
     low, high = question.range_lower[:, joints], question.range_upper[:, joints]
-    outside = (place.min(axis=2) < low + unit) | (place.max(axis=2) > high - unit)
+    outside = (place.min(axis=2) < low + room) | (place.max(axis=2) > high - room)
     flags = np.zeros((len(model.tau), question.n_joints), dtype=bool)
     flags[:, joints] = outside
     return flags
