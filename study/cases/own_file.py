@@ -13,7 +13,7 @@ from study.cases.own_demands import (
     Tolerance,
     forms,
 )
-from study.cases.paper_file import Positive, Unit
+from study.cases.paper_file import FORMAT, Positive, Unit, Version
 from study.curves import CURVES
 from study.datafiles import Strict
 
@@ -112,6 +112,7 @@ class OwnBounds(Strict):
 class OwnCase(Strict):
     """A problem of one's own: waypoints and limits, and what else is known of the robot."""
 
+    version: Version = FORMAT
     name: str = Field("", description="Name in tables; the file's name by default.")
     title: str = Field("", description="One line for people.")
     units: UnitOrUnits | None = Field(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from study.datafiles import Strict
 from study.problem import Floats
@@ -93,9 +93,22 @@ class Printed(Strict):
     source: str
 
 
+def _readable(version: int) -> int:
+    if version != FORMAT:
+        raise ValueError(
+            f"this program reads case files of version {FORMAT}; install the one that the file was written for"
+        )
+    return version
+
+
+FORMAT = 1
+Version = Annotated[int, AfterValidator(_readable), Field(description="Version of the form of case files.")]
+
+
 class CaseFile(Strict):
     """One case as its file states it."""
 
+    version: Version = FORMAT
     name: str
     title: str
     paper: str

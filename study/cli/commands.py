@@ -16,6 +16,7 @@ PLACEHOLDERS = {
     "dask": "ADDRESS",
     "evaluations": "N",
     "jobs": "N",
+    "judges": "N",
     "joint": "N",
     "limits": "FILE",
     "memory": "MB",

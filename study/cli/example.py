@@ -5,6 +5,7 @@ EXAMPLE = """\
 # For completion in your editor: study schema > case.schema.json, and keep the next line.
 # yaml-language-server: $schema=case.schema.json
 
+version: 1
 name: NAME
 
 # Units of all numbers in this file, and of CSV files that it names: rad or deg; m or mm for joints that slide.

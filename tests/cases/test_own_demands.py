@@ -128,3 +128,12 @@ def test_an_impossible_demand_is_one_sentence(tmp_path, more, sentence):
     assert sentence in str(error.value)
     assert "mine" in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_a_file_of_another_version_is_refused_in_one_sentence(tmp_path):
+    path = tmp_path / "later.yaml"
+    path.write_text("version: 2\n" + PLAIN)
+    with pytest.raises(StudyError, match="field 'version': this program reads case files of version 1"):
+        load_case(path)
+    path.write_text("version: 1\n" + PLAIN)
+    assert load_case(path).problem.n_waypoints >= 2
