@@ -47,7 +47,7 @@ COMMANDS = {
     "torture": Entry(
         "torture",
         "torture",
-        "Put random problems (1-8 joints, 2-25 waypoints, limits over three decades) to planners; ends with 3 if one crashes.",
+        "Put random problems of every kind (1-8 joints, 2-200 waypoints, six decades) to planners; ends with 3 if one crashes.",
     ),
     "bench": Entry(
         "bench",
