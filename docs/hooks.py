@@ -11,9 +11,10 @@ from typing import Any
 
 from study.bench import figures, wording
 from study.bench.run import read
+from study.bounds import kind_of
 from study.cases.ledger import ledger
 from study.cases.own_file import schema
-from study.registry import planner_named, planner_names
+from study.registry import method_named, method_names
 
 
 def on_page_markdown(markdown: str, **kwargs: Any) -> str:
@@ -81,10 +82,9 @@ def _ledger() -> str:
 
 def _planners() -> str:
     rows = ["| name | kind | may change | how it works |", "|---|---|---|---|"]
-    for name in planner_names():
-        planner = planner_named(name)
-        kind = "search" if planner.stochastic else "deterministic"
-        rows.append(f"| `{name}` | {kind} | {planner.freedom} | {planner.about} |")
+    for name in method_names():
+        method = method_named(name)
+        rows.append(f"| `{name}` | {kind_of(method)} | {method.freedom} | {method.about} |")
     return "\n".join(rows)
 
 

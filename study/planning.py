@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum, StrEnum
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -106,8 +106,10 @@ class Plan:
     message : str
         The reason where there is no motion, or a remark.
     details : mapping of str to float
-        Numbers worth keeping, such as a planner's own lower bound. Names that end in `_seconds` are wall times: they
-        are kept, but take no part in comparing two runs.
+        Numbers worth keeping. Names that end in `_seconds` are wall times: they are kept, but take no part in comparing
+        two runs.
+    lower_bound : float, s, optional
+        Proved time that no motion of the planner's own kind undercuts, where the planner knows one.
     """
 
     status: Status
@@ -118,6 +120,7 @@ class Plan:
     history: Floats = field(default_factory=lambda: np.empty((0, 2)))
     message: str = ""
     details: Mapping[str, float] = field(default_factory=dict)
+    lower_bound: float | None = None
 
 
 class Freedom(StrEnum):
@@ -159,6 +162,7 @@ def in_time(problem: Problem, plan: Plan) -> Plan:
     return replace(plan, motion=plan.motion.scaled(factor), durations=durations)
 
 
+@runtime_checkable
 class Planner(Protocol):
     """A method that turns a problem into a plan, and describes itself; tables, pages and tests ask the planner alone.
 
@@ -187,21 +191,29 @@ class Planner(Protocol):
 
 def undescribed(planner: object) -> str:
     """Say in one sentence which part of the description of a planner is missing or wrong; empty where none is."""
-    known = getattr(planner, "knows", None)
-    about = getattr(planner, "about", None)
-    wrong = {
-        "a method `plan(problem, settings)`": not callable(getattr(planner, "plan", None)),
+    ways = {"a method `plan(problem, settings)`": not callable(getattr(planner, "plan", None))}
+    chance = {"`stochastic`, True or False": not isinstance(getattr(planner, "stochastic", None), bool)}
+    return lacking("planner", ways | description(planner) | chance)
+
+
+def description(method: object) -> dict[str, bool]:
+    """Parts of the description that every method has, and whether each is wrong."""
+    about, known = getattr(method, "about", None), getattr(method, "knows", None)
+    return {
         "`about`, one line that says how it works": not (
             isinstance(about, str) and about.strip() and "\n" not in about
         ),
-        "`freedom`, a member of `study.planning.Freedom`": not isinstance(getattr(planner, "freedom", None), Freedom),
+        "`freedom`, a member of `study.planning.Freedom`": not isinstance(getattr(method, "freedom", None), Freedom),
         "`knows`, a frozenset of `study.demands.Demand`": not (
             isinstance(known, frozenset) and all(isinstance(demand, Demand) for demand in known)
         ),
-        "`stochastic`, True or False": not isinstance(getattr(planner, "stochastic", None), bool),
     }
-    missing = [part for part, lacking in wrong.items() if lacking]
-    return f"a planner describes itself, and this lacks {' and '.join(missing)}" if missing else ""
+
+
+def lacking(noun: str, wrong: Mapping[str, bool]) -> str:
+    """Make one sentence of the parts that are wrong; empty where none is."""
+    missing = [part for part, lacks in wrong.items() if lacks]
+    return f"a {noun} describes itself, and this lacks {' and '.join(missing)}" if missing else ""
 
 
 def usual_settings(problem: Problem) -> RunSettings:

@@ -1,7 +1,7 @@
-"""Which planners are installed: everything that registers itself under the entry-point group `study.planners`.
+"""Installed planners and bounds: everything registered under the entry-point groups `study.planners` and `study.bounds`.
 
-An entry point names an object that implements `study.planning.Planner`, or a class or function that makes one when
-called without arguments. Ours and a stranger's planners are found in the same way.
+An entry point names an object that implements `study.planning.Planner` or `study.bounds.Bound`, or a class or function that
+makes one when called without arguments. Ours and a stranger's are found in the same way. A method is either of the two.
 """
 
 from __future__ import annotations
@@ -11,16 +11,28 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import cast
 
+from study.bounds import Bound, Method, undescribed_bound
 from study.code_digest import code_digest
 from study.errors import StudyError, unknown
 from study.planning import Planner, undescribed
 
-GROUP = "study.planners"
+KINDS = {"planner": "study.planners", "bound": "study.bounds"}
+"""Entry-point group of every kind of method."""
 
 
 def planner_names() -> tuple[str, ...]:
     """List the names of all installed planners, in alphabetical order."""
-    return tuple(sorted(_entries(tuple(sys.path))))
+    return tuple(sorted(_entries("planner", tuple(sys.path))))
+
+
+def bound_names() -> tuple[str, ...]:
+    """List the names of all installed bounds, in alphabetical order."""
+    return tuple(sorted(_entries("bound", tuple(sys.path))))
+
+
+def method_names() -> tuple[str, ...]:
+    """List the names of all installed planners and bounds, in alphabetical order."""
+    return tuple(sorted({*planner_names(), *bound_names()}))
 
 
 def planner_named(name: str) -> Planner:
@@ -31,7 +43,31 @@ def planner_named(name: str) -> Planner:
     StudyError
         If no such planner is installed, a package that it needs is missing, or it is not a planner.
     """
-    return _load(name, tuple(sys.path))
+    return cast(Planner, _load("planner", name, tuple(sys.path)))
+
+
+def bound_named(name: str) -> Bound:
+    """Load a bound by its registered name.
+
+    Raises
+    ------
+    StudyError
+        If no such bound is installed, a package that it needs is missing, or it is not a bound.
+    """
+    return cast(Bound, _load("bound", name, tuple(sys.path)))
+
+
+def method_named(name: str) -> Method:
+    """Load a planner or a bound by its registered name.
+
+    Raises
+    ------
+    StudyError
+        If neither is installed under this name, a package is missing, or the object is neither.
+    """
+    if name not in method_names():
+        raise unknown("planner", name, method_names())
+    return bound_named(name) if name in bound_names() else planner_named(name)
 
 
 def planner_about(name: str) -> str:
@@ -43,54 +79,59 @@ def planner_about(name: str) -> str:
 
 
 def unavailable_planners() -> dict[str, str]:
-    """Say of every installed planner that cannot be loaded why not."""
+    """Say of every installed planner and bound that cannot be loaded why not."""
     reasons = {}
-    for name in planner_names():
+    for name in method_names():
         try:
-            planner_named(name)
+            method_named(name)
         except StudyError as error:
             reasons[name] = str(error)
     return reasons
 
 
 def planner_version(name: str) -> str:
-    """Name and version of the distribution that brings a planner, such as `time-optimal-study 0.1.0`."""
-    found = _entry(name, tuple(sys.path)).dist
-    return f"{found.name} {found.version}" if found else "unknown"
+    """Name and version of the distribution that brings a planner or bound, such as `time-optimal-study 0.1.0`."""
+    distribution = _method_entry(name).dist
+    return f"{distribution.name} {distribution.version}" if distribution else "unknown"
 
 
 def planner_code(name: str) -> str:
-    """Version of a planner and checksum of its sources: a change of either makes every result of it another one."""
-    return f"{planner_version(name)}; code {code_digest(_entry(name, tuple(sys.path)).module)[:16]}"
+    """Version of a planner or bound and checksum of its sources: a change of either makes other results of all."""
+    return f"{planner_version(name)}; code {code_digest(_method_entry(name).module)[:16]}"
+
+
+def _method_entry(name: str) -> EntryPoint:
+    return _entry("bound" if name in bound_names() else "planner", name, tuple(sys.path))
 
 
 @cache
-def _entries(path: tuple[str, ...]) -> dict[str, EntryPoint]:
+def _entries(kind: str, path: tuple[str, ...]) -> dict[str, EntryPoint]:
     """Entry points by name; the search path is part of the key, so a changed path is looked through again."""
-    return {entry.name: entry for entry in reversed(list(entry_points(group=GROUP)))}
+    return {entry.name: entry for entry in reversed(list(entry_points(group=KINDS[kind])))}
 
 
-def _entry(name: str, path: tuple[str, ...]) -> EntryPoint:
-    known = _entries(path)
+def _entry(kind: str, name: str, path: tuple[str, ...]) -> EntryPoint:
+    known = _entries(kind, path)
     if name not in known:
-        raise unknown("planner", name, known)
+        raise unknown(kind, name, known)
     return known[name]
 
 
 @cache
-def _load(name: str, path: tuple[str, ...]) -> Planner:
-    entry = _entry(name, path)
+def _load(kind: str, name: str, path: tuple[str, ...]) -> object:
+    entry = _entry(kind, name, path)
+    way = "plan" if kind == "planner" else "bound"
     try:
-        found = entry.load()
-        planner = found() if isinstance(found, type) or (callable(found) and not hasattr(found, "plan")) else found
+        loaded = entry.load()
+        method = loaded() if isinstance(loaded, type) or (callable(loaded) and not hasattr(loaded, way)) else loaded
     except ModuleNotFoundError as error:
         raise StudyError(
-            f"planner {name!r} needs the Python package {error.name!r}, which is not installed; install it with pip"
+            f"{kind} {name!r} needs the Python package {error.name!r}, which is not installed; install it with pip"
         ) from error
     except Exception as error:  # a stranger's module may raise anything on import
         raise StudyError(
-            f"planner {name!r} could not be loaded from {entry.value!r}: {type(error).__name__}: {error}"
+            f"{kind} {name!r} could not be loaded from {entry.value!r}: {type(error).__name__}: {error}"
         ) from error
-    if reason := undescribed(planner):
-        raise StudyError(f"planner {name!r} ({entry.value}) is not a planner: {reason}")
-    return cast(Planner, planner)
+    if reason := undescribed(method) if kind == "planner" else undescribed_bound(method):
+        raise StudyError(f"{kind} {name!r} ({entry.value}) is not a {kind}: {reason}")
+    return method

@@ -125,7 +125,6 @@ def problems(draw):
 
 INSTALLED = [name for name in planner_names() if name not in unavailable_planners()]
 EXPENSIVE = {
-    "any-motion-bound",
     "bspline-nlp",
     "certified",
     "copp",

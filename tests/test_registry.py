@@ -3,10 +3,20 @@ from types import SimpleNamespace
 
 import pytest
 
+from study.bounds import kind_of
 from study.demands import Demand
 from study.errors import StudyError
 from study.planning import RATE_LIMITS, Freedom, undescribed
-from study.registry import planner_named, planner_names, planner_version, unavailable_planners
+from study.registry import (
+    bound_named,
+    bound_names,
+    method_named,
+    method_names,
+    planner_named,
+    planner_names,
+    planner_version,
+    unavailable_planners,
+)
 from study.runs.lineup import (
     AS_IN_PAPER,
     Budget,
@@ -41,6 +51,29 @@ def test_a_strangers_planner_is_found_as_object_class_or_factory(stubs):
     assert planner_version("stub-steady") == "stub-planners 1.0"
     for name in ("stub-steady", "stub-factory", "stub-seeded"):
         assert callable(planner_named(name).plan)
+
+
+def test_bounds_have_a_group_of_their_own(stubs):
+    assert {"any-motion-bound", "stub-half"} <= set(bound_names())
+    assert not set(bound_names()) & set(planner_names())
+    assert set(method_names()) == {*bound_names(), *planner_names()}
+    assert method_named("stub-half") is bound_named("stub-half")
+    assert method_named("stub-steady") is planner_named("stub-steady")
+    assert planner_version("stub-half") == "stub-planners 1.0"
+    assert [kind_of(method_named(name)) for name in ("stub-half", "pso", "toppra")] == [
+        "bound",
+        "search",
+        "deterministic",
+    ]
+
+
+def test_what_is_wrong_with_a_bound_is_one_sentence(stubs):
+    with pytest.raises(StudyError, match="is not a bound: a bound describes itself, and this lacks a method `bound"):
+        bound_named("stub-nobody")
+    with pytest.raises(StudyError, match="no bound 'stub-hal'; did you mean 'stub-half'"):
+        bound_named("stub-hal")
+    with pytest.raises(StudyError, match="no planner 'any-motion-bond'; did you mean 'any-motion-bound'"):
+        parse_spec("any-motion-bond")
 
 
 def test_a_planner_is_loaded_once(stubs):
@@ -91,16 +124,17 @@ def test_no_planners_at_all_is_an_error():
         parse_specs(" , ")
 
 
-def test_default_lineup_has_each_headline_search_twice_and_each_deterministic_planner():
+def test_default_lineup_has_each_headline_search_twice_and_each_deterministic_planner_and_bound():
     lineup = default_lineup()
     for name in set(HEADLINE_SEARCHES) & set(planner_names()):
         assert [spec for spec in lineup if spec.planner == name] == [Spec(name), Spec(name, "scaled", "shared")]
     deterministic = [name for name in loadable() if not planner_named(name).stochastic]
     on_the_curve = [name for name in deterministic if planner_named(name).freedom is Freedom.CURVE]
-    expected = [Spec(name) for name in deterministic] + [Spec(name, None, AS_IN_PAPER) for name in on_the_curve]
+    plain = sorted([*deterministic, *bound_names()])
+    expected = [Spec(name) for name in plain] + [Spec(name, None, AS_IN_PAPER) for name in on_the_curve]
     assert [spec for spec in lineup if spec.planner not in HEADLINE_SEARCHES] == expected
     assert set(lineup) < set(full_lineup())
-    assert {spec.planner for spec in full_lineup()} == set(loadable())
+    assert {spec.planner for spec in full_lineup()} == {*loadable(), *bound_names()}
 
 
 def test_joint_by_joint_runs_once_more_only_where_the_paper_does(tiny_case):

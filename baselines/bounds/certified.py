@@ -201,8 +201,8 @@ class Certified(Deterministic):
             durations=durations,
             iterations=boxes,
             message="" if finished else f"both bounds hold, but they are {gap:.2g} of the time apart",
+            lower_bound=max(part.lower for part in certificates),
             details={
-                "lower_bound": max(part.lower for part in certificates),
                 "upper_bound": max(part.upper for part in certificates),
                 "boxes": float(boxes),
             },

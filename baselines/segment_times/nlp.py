@@ -203,7 +203,8 @@ class CasadiNlp(Deterministic):
             durations=durations,
             iterations=iterations,
             message=reasons,
-            details=_together(answers) | _bound(problem, settings),
+            details=_together(answers),
+            lower_bound=_bound(problem, settings),
         )
 
 
@@ -215,6 +216,7 @@ def _together(answers: list[Answer]) -> dict[str, float]:
     }
 
 
-def _bound(problem: Problem, settings: RunSettings) -> dict[str, float]:
+def _bound(problem: Problem, settings: RunSettings) -> float | None:
+    """Proved lower bound on the total time of the settings' curve, s, where one is at hand."""
     shared = settings.synchronisation is Synchronisation.SHARED
-    return {"lower_bound": velocity_bound(problem)} if settings.curve == "bspline" and shared else {}
+    return velocity_bound(problem) if settings.curve == "bspline" and shared else None

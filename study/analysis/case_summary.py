@@ -13,12 +13,13 @@ from study.analysis.featured import Featured, featured
 from study.analysis.ladder import Rung, ladder_of
 from study.analysis.methods import Kind, MethodSummary, bound_of, lower_bound
 from study.analysis.published import published_methods
+from study.bounds import Method, is_stochastic
 from study.cases.library import Case
 from study.curves import CURVES
 from study.errors import StudyError
-from study.planning import Freedom, Planner
+from study.planning import Freedom
 from study.problem import Problem
-from study.registry import planner_named
+from study.registry import method_named
 from study.store.results import Result
 from study.trajectory import Motion
 
@@ -90,28 +91,28 @@ def summarise_case(
 
 
 def _of_runs(case: Case, runs: tuple[Result, ...]) -> MethodSummary:
-    planner = _installed(runs[0].cell.planner)
+    method = _installed(runs[0].cell.planner)
     moving = next((run.motion for run in runs if run.motion is not None), None)
     if moving is None and any(bound_of(run) is not None for run in runs):
         kind: Kind = Kind.BOUND
     else:
-        stochastic = planner.stochastic if planner else runs[0].evaluations > 0
+        stochastic = is_stochastic(method) if method else runs[0].evaluations > 0
         kind = Kind.SEARCH if stochastic else Kind.DETERMINISTIC
-    freedom = planner.freedom if planner else _freedom_seen(case, moving)
+    freedom = method.freedom if method else _freedom_seen(case, moving)
     return MethodSummary(
         case=case.name,
         label=runs[0].cell.label,
         kind=kind,
-        freedom=None if kind is Kind.BOUND else freedom,
-        about=planner.about if planner else "",
+        freedom=None if kind is Kind.BOUND and freedom is not Freedom.CURVE else freedom,
+        about=method.about if method else "",
         results=runs,
     )
 
 
-def _installed(name: str) -> Planner | None:
-    """Planner of a stored run; None where it is no longer installed."""
+def _installed(name: str) -> Method | None:
+    """Planner or bound of a stored run; None where it is no longer installed."""
     try:
-        return planner_named(name)
+        return method_named(name)
     except StudyError:
         return None
 

@@ -212,7 +212,7 @@ def names_explained(methods: Iterable[MethodSummary]) -> dict[str, str]:
 
 def bound_of(result: Result) -> float | None:
     """Proved lower bound that a run brings, s."""
-    return result.details.get("lower_bound")
+    return result.lower_bound
 
 
 def is_feasible(result: Result) -> bool:

@@ -10,7 +10,7 @@ from study.cases.ledger import ledger as ledger_entries
 from study.cases.library import case_names, load_case
 from study.cli import terminal
 from study.cli.shared import make_console
-from study.registry import planner_named, planner_names, unavailable_planners
+from study.registry import method_named, method_names, unavailable_planners
 from study.runs.lineup import default_lineup
 
 cases_app = typer.Typer(help="Look at the cases.", no_args_is_help=True, add_completion=False)
@@ -21,7 +21,7 @@ def list_all() -> None:
     console = make_console()
     console.print(terminal.cases_table(load_case(name) for name in case_names()))
     broken = unavailable_planners()
-    entries = [(name, broken[name] if name in broken else planner_named(name)) for name in planner_names()]
+    entries = [(name, broken[name] if name in broken else method_named(name)) for name in method_names()]
     console.print(terminal.planners_table(entries, [spec.planner for spec in default_lineup()]))
 
 

@@ -15,11 +15,11 @@ from rich.text import Text
 from study.analysis.case_summary import CaseSummary
 from study.analysis.formatting import DASH, figures, percent, share
 from study.analysis.methods import Kind, MethodSummary, Standing
+from study.bounds import Method, kind_of
 from study.cases.ledger import Entry
 from study.cases.library import Case
 from study.cautions import ends_said
 from study.judge import RATES, Verdict
-from study.planning import Planner
 from study.problem import Problem
 
 
@@ -142,19 +142,18 @@ def cases_table(cases: Iterable[Case]) -> Table:
     return table
 
 
-def planners_table(entries: Sequence[tuple[str, Planner | str]], defaults: Iterable[str]) -> Table:
-    """Table of planners; one that cannot be loaded shows the reason."""
+def planners_table(entries: Sequence[tuple[str, Method | str]], defaults: Iterable[str]) -> Table:
+    """Table of planners and bounds; one that cannot be loaded shows the reason."""
     table = Table(title="Planners", title_justify="left", header_style="bold")
     for name in ("name", "default", "kind", "may change", "how it works"):
         table.add_column(name, overflow="fold", no_wrap=name == "name")
     taken = set(defaults)
-    for name, planner in entries:
+    for name, method in entries:
         default = "yes" if name in taken else ""
-        if isinstance(planner, str):
-            table.add_row(name, default, "not available", "", planner, style="red")
+        if isinstance(method, str):
+            table.add_row(name, default, "not available", "", method, style="red")
             continue
-        kind = "search" if planner.stochastic else "deterministic"
-        table.add_row(name, default, kind, planner.freedom, planner.about)
+        table.add_row(name, default, kind_of(method), method.freedom, method.about)
     return table
 
 

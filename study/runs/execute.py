@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from study.bounds import LowerBound, Method
 from study.deadline import watched
 from study.demands import refusal
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import Plan, Status, in_time
+from study.planning import Plan, Planner, RunSettings, Status, in_time
 from study.problem import Problem
-from study.registry import planner_named
+from study.registry import method_named
 from study.runs.pool import speaker
 from study.runs.progress import reporting
 from study.store.codec import cell_digest, check_storable, decode, encode, settings_text
@@ -90,14 +91,15 @@ class CellJob:
         """Plan, time and judge; whatever goes wrong in the planner becomes the result's reason."""
         started = time.perf_counter()
         try:
-            planner = planner_named(self.cell.planner)
+            method = method_named(self.cell.planner)
             started = time.perf_counter()
-            if reason := refusal(self.problem.planner_demands, planner.knows):
+            if reason := refusal(self.problem.planner_demands, method.knows):
                 return self.failed(reason, 0.0, Status.NOT_APPLICABLE)
             with watched() as watch, reporting(speaker()):
-                plan = in_time(self.problem, planner.plan(self.problem, self.cell.settings))
+                answer = asked(method, self.problem, self.cell.settings)
             wall_time = time.perf_counter() - started
-            return judged(self, cut_short(plan) if watch.reached else plan, wall_time)
+            result = judged(self, answer, wall_time) if isinstance(answer, Plan) else proved(self.cell, answer, wall_time)
+            return cut_short(result) if watch.reached else result
         except StudyError as error:
             reason = str(error)
         except MemoryError:
@@ -123,10 +125,25 @@ def stored_results(store: Store, cells: Iterable[Cell], cases: Mapping[str, Case
     return [result for _, result in store.outcomes(cell_jobs(cells, cases))]
 
 
-def cut_short(plan: Plan) -> Plan:
-    """Say of a plan that the clock had a part in it: with more time, or on another machine, it might be another."""
-    message = "; ".join(filter(None, (plan.message, "a time limit inside the planner was reached")))
-    return replace(plan, status=Status.TIMED_OUT, message=message)
+def asked(method: Method, problem: Problem, settings: RunSettings) -> Plan | LowerBound:
+    """Ask a planner for its plan, or a bound for what it proves."""
+    if isinstance(method, Planner):
+        return in_time(problem, method.plan(problem, settings))
+    return method.bound(problem, settings)
+
+
+def cut_short(result: Result) -> Result:
+    """Say of a result that the clock had a part in it: with more time, or on another machine, it might be another."""
+    message = "; ".join(filter(None, (result.message, "a time limit inside the planner was reached")))
+    return replace(result, status=Status.TIMED_OUT, message=message)
+
+
+def proved(cell: Cell, bound: LowerBound, wall_time: float) -> Result:
+    """Build the result of a bound."""
+    nothing, done = np.empty((0, 2)), Status.FINISHED
+    return Result(
+        cell, done, bound.message, None, None, None, 0, 0, nothing, bound.details, wall_time, lower_bound=bound.value
+    )
 
 
 def judged(job: CellJob, plan: Plan, wall_time: float) -> Result:
@@ -145,4 +162,5 @@ def judged(job: CellJob, plan: Plan, wall_time: float) -> Result:
         history=plan.history,
         details=plan.details,
         wall_time=wall_time,
+        lower_bound=plan.lower_bound,
     )

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
+from study.bounds import is_stochastic
 from study.cases.library import Case
 from study.errors import StudyError, unknown
 from study.planning import Formulation, Freedom, RunSettings, Synchronisation
-from study.registry import planner_named, planner_names, unavailable_planners
+from study.registry import method_named, method_names, unavailable_planners
 from study.runs.selections import HEADLINE_SEARCHES
 from study.store.results import Cell
 
@@ -77,7 +78,7 @@ def parse_spec(text: str) -> Spec:
         If the planner is not installed or an option is unknown or contradicts another.
     """
     name, _, tail = text.strip().partition(":")
-    planner_named(name)
+    method_named(name)
     chosen: dict[str, str] = {}
     for option in filter(None, (part.strip() for part in tail.split(","))):
         if option not in OPTIONS:
@@ -109,7 +110,7 @@ def parse_specs(text: str) -> tuple[Spec, ...]:
 
 
 def default_lineup(names: Iterable[str] | None = None) -> tuple[Spec, ...]:
-    """Every headline search as the papers run it and once more `scaled,shared`, and every deterministic planner.
+    """Every headline search as the papers run it and once more `scaled,shared`, every deterministic planner, and every bound.
 
     Deterministic planners share durations between the joints; those on the paper's curve run once more joint by joint where
     the paper does, so that the price of that rule can be told from the price of the search.
@@ -124,20 +125,20 @@ def default_lineup(names: Iterable[str] | None = None) -> tuple[Spec, ...]:
     installed = _available()
     searches = [name for name in (HEADLINE_SEARCHES if names is None else names) if name in installed]
     papers_way = [Spec(name) for name in searches]
-    scaled = [Spec(name, "scaled", "shared") for name in searches if planner_named(name).freedom is Freedom.CURVE]
-    plain = [name for name in installed if not planner_named(name).stochastic]
-    rule = [Spec(name, synchronisation=AS_IN_PAPER) for name in plain if planner_named(name).freedom is Freedom.CURVE]
+    scaled = [Spec(name, "scaled", "shared") for name in searches if method_named(name).freedom is Freedom.CURVE]
+    plain = [name for name in installed if not is_stochastic(method_named(name))]
+    rule = [Spec(name, synchronisation=AS_IN_PAPER) for name in plain if method_named(name).freedom is Freedom.CURVE]
     return (*papers_way, *scaled, *(Spec(name) for name in plain), *rule)
 
 
 def full_lineup() -> tuple[Spec, ...]:
     """Every installed planner in the ways of the default line-up."""
-    return default_lineup([name for name in _available() if planner_named(name).stochastic])
+    return default_lineup([name for name in _available() if is_stochastic(method_named(name))])
 
 
 def _available() -> list[str]:
     broken = unavailable_planners()
-    return [name for name in planner_names() if name not in broken]
+    return [name for name in method_names() if name not in broken]
 
 
 def make_cells(cases: Iterable[Case], specs: Sequence[Spec], budget: Budget) -> list[Cell]:
@@ -154,13 +155,14 @@ def make_cells(cases: Iterable[Case], specs: Sequence[Spec], budget: Budget) -> 
 
 
 def _cells(case: Case, spec: Spec, budget: Budget) -> list[Cell]:
-    planner = planner_named(spec.planner)
+    method = method_named(spec.planner)
+    stochastic = is_stochastic(method)
     own = replace(case.settings, curve=case.curve, seed=0, time_limit=budget.time_limit)
     if budget.evaluations is not None:
         own = replace(own, evaluations=budget.evaluations)
-    if not planner.stochastic:  # takes the plain problem unless told otherwise
+    if not stochastic:  # takes the plain problem unless told otherwise
         own = replace(own, formulation=Formulation.SCALED, synchronisation=Synchronisation.SHARED)
-    if planner.freedom is not Freedom.CURVE:  # takes no budget either, so that no budget makes it another cell
+    if method.freedom is not Freedom.CURVE:  # takes no budget either, so that no budget makes it another cell
         own = RunSettings(curve=case.curve, formulation=Formulation.SCALED, time_limit=budget.time_limit)
     rule = case.settings.synchronisation if spec.synchronisation == AS_IN_PAPER else spec.synchronisation
     settings = replace(
@@ -168,7 +170,7 @@ def _cells(case: Case, spec: Spec, budget: Budget) -> list[Cell]:
         formulation=Formulation(spec.formulation or own.formulation),
         synchronisation=Synchronisation(rule or own.synchronisation),
     )
-    seeds = range(budget.seeds) if planner.stochastic else range(1)
+    seeds = range(budget.seeds) if stochastic else range(1)
     label = _label(spec.planner, settings, own)
     return [Cell(case.name, spec.planner, label, replace(settings, seed=seed)) for seed in seeds]
 

@@ -169,6 +169,8 @@ def encode(result: Result) -> Encoded:
         "iterations": int(result.iterations),
         "details": {name: value for name, value in details.items() if not name.endswith(MEASURED)},
     }
+    if result.lower_bound is not None:
+        document["lower_bound"] = float(result.lower_bound)
     arrays = {"history": np.asarray(result.history)}
     if result.durations is not None:
         arrays["durations"] = np.asarray(result.durations)
@@ -207,6 +209,7 @@ def decode(cell: Cell, encoded: Encoded) -> Result:
         history=arrays["history"],
         details=document["details"] | encoded.times,
         wall_time=encoded.wall_time,
+        lower_bound=document.get("lower_bound"),
     )
 
 

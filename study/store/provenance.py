@@ -6,7 +6,7 @@ import json
 from functools import lru_cache
 
 from study.code_digest import code_digest, has_source
-from study.registry import planner_code, planner_names
+from study.registry import method_names, planner_code
 from study.store.codec import canonical
 
 PLANNER = "planner "
@@ -50,5 +50,5 @@ def is_stale(code: str) -> bool:
 def _present(name: str) -> str | None:
     if name.startswith(PLANNER):
         planner = name.removeprefix(PLANNER)
-        return planner_code(planner) if planner in planner_names() else None
+        return planner_code(planner) if planner in method_names() else None
     return code_digest(name)[:16] if has_source(name) else None

@@ -55,6 +55,8 @@ class Result:
     details : mapping of str to float
     wall_time : float, s
         The planner's own time; imports, judging and storing are not in it.
+    lower_bound : float, s, optional
+        Proved by a bound, or by a planner for its own kind of motion.
     """
 
     cell: Cell
@@ -68,3 +70,4 @@ class Result:
     history: Floats
     details: Mapping[str, float]
     wall_time: float
+    lower_bound: float | None = None

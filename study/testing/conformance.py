@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from study.bounds import Bound, LowerBound, undescribed_bound
+from study.curves import CURVES
 from study.demands import refusal
 from study.errors import StudyError
 from study.judge import judge
@@ -97,6 +99,48 @@ def _answer(planner: Planner, problem: Problem, settings: RunSettings, where: st
         ) from error
     _require(isinstance(plan, Plan), f"{where} it returned a {type(plan).__name__}, not a study.planning.Plan")
     return plan
+
+
+def check_bound(bound: Bound, problems: Sequence[Problem] | None = None, settings: RunSettings | None = None) -> None:
+    """Test a bound against the contract of `study.bounds.Bound`.
+
+    It must answer with a lower bound that no feasible motion undercuts, the same one twice, and leave problems and NumPy's
+    global random state as they were.
+
+    Parameters
+    ----------
+    bound : Bound
+    problems : sequence of Problem, optional
+        `example_problems()` by default.
+    settings : RunSettings, optional
+        On the clamped cubic spline by default.
+
+    Raises
+    ------
+    NonconformingError
+        With one sentence for the first part of the contract that is broken.
+    """
+    reason = undescribed_bound(bound)
+    _require(not reason, reason)
+    chosen = settings or RunSettings("cubic-spline")
+    for problem in problems or example_problems():
+        where, before, random_before = f"on {problem.name!r}", _numbers(problem), _global_random_state()
+        first, second = (bound.bound(problem, chosen) for _ in range(2))
+        _require(isinstance(first, LowerBound), f"{where} it answered with a {type(first).__name__}, no LowerBound")
+        _require(first.value == second.value, f"{where} it proved two bounds: {first.value:g} and {second.value:g} s")
+        _require(_numbers(problem) == before, f"{where} the bound changed the problem")
+        _require(_global_random_state() == random_before, f"{where} it used NumPy's global random state")
+        reached = _reached(problem, chosen.curve)
+        _require(
+            first.value <= reached, f"{where} a motion takes {reached:g} s, less than the bound of {first.value:g} s"
+        )
+
+
+def _reached(problem: Problem, curve: str) -> float:
+    """Duration of a feasible motion on the settings' curve, s; infinite where there is none."""
+    motion = CURVES[curve].motion(problem.waypoints, np.ones(problem.n_segments))
+    motion = motion.scaled(judge(problem, motion).stretch)
+    return motion.duration if judge(problem, motion).feasible else np.inf
 
 
 def check_search(search: Search[Any], n_dimensions: int = 4, budget: int = 600, population: int = 20) -> None:

@@ -152,7 +152,7 @@ def runs_of(summary: CaseSummary) -> list[Result]:
 
 
 def bound_run() -> Result:
-    made = run_of("bound", None, details={"lower_bound": 3.0}, evaluations=0)
+    made = run_of("bound", None, lower_bound=3.0, evaluations=0)
     return replace(made, cell=replace(made.cell, case="woodworking"))
 
 
@@ -341,7 +341,7 @@ def test_an_infeasible_featured_row_is_marked(tiny_case: Case) -> None:
 
 def test_a_bound_is_neither_feasible_nor_infeasible(wood: CaseSummary) -> None:
     bound = bound_run()
-    refused = replace(bound, cell=replace(bound.cell, label="refused"), status=Status.NOT_APPLICABLE, details={})
+    refused = replace(bound, cell=replace(bound.cell, label="refused"), status=Status.NOT_APPLICABLE, lower_bound=None)
     methods = {m.label: m for m in summarise_case(wood.case, [*runs_of(wood), bound, refused]).methods}
     assert (methods["bound"].standing, methods["bound"].kind) == (Standing.BOUND, Kind.BOUND)
     assert methods["refused"].standing is Standing.INAPPLICABLE

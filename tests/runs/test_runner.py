@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from study.analysis.case_summary import summarise_case
+from study.analysis.methods import Kind, Standing
 from study.errors import StudyError
 from study.planning import Status
 from study.problem import Timing
@@ -34,6 +36,16 @@ def run(tmp_path, stubs):
             return stored_results(store, cells, {case.name: case}), store.digest()
 
     return run_on
+
+
+def test_a_bound_runs_like_a_planner_and_is_kept_as_what_it_is(run, tiny_case):
+    (result,), _ = run(tiny_case, "stub-half", jobs=1)
+    assert (result.status, result.lower_bound, result.motion, result.verdict) == (Status.FINISHED, 0.5, None, None)
+    assert (result.message, result.details) == ("half a second at least", {"halves": 1.0})
+    (again,), _ = run(tiny_case, "stub-half", jobs=1)
+    assert again.lower_bound == 0.5
+    method = next(m for m in summarise_case(tiny_case, [result]).methods if m.label == "stub-half")
+    assert (method.kind, method.standing, method.bound) == (Kind.BOUND, Standing.BOUND, 0.5)
 
 
 def test_every_motion_is_judged_and_timed(run, tiny_case):

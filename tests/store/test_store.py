@@ -72,7 +72,8 @@ def test_parametric_motions_infinite_history_and_failures_survive_too(tiny_probl
     whole = Result(
         cells[0], Status.NOT_CONVERGED, "é", motion, judge(free, motion), None, 2, 1, history, {"bound": 1 / 3}, 0.25
     )
-    for result in (whole, replace(whole, motion=None, verdict=None, status=Status.FAILED)):
+    proved = replace(whole, motion=None, verdict=None, lower_bound=1 / 7)
+    for result in (whole, proved, replace(whole, motion=None, verdict=None, status=Status.FAILED)):
         assert same(decode(cells[0], encode(result)), result)
 
 

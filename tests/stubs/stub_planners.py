@@ -10,6 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from study.bounds import LowerBound
 from study.curves import curve_named
 from study.errors import StudyError
 from study.formulation import Scaled
@@ -83,3 +84,17 @@ ODD = Odd()
 UNSENDABLE = Unsendable()
 SOCKET = Seeded(lambda: socket.create_connection(("192.0.2.1", 9), timeout=1))
 GREEDY = Seeded(lambda: bytearray(2 * 10**9))
+
+
+class Half:
+    """A bound that proves half a second."""
+
+    about = "half a second, whatever the problem"
+    freedom = Freedom.FREE
+    knows = RATE_LIMITS
+
+    def bound(self, problem, settings):
+        return LowerBound(0.5, self.freedom, "half a second at least", {"halves": 1.0})
+
+
+NOBODY = object()

@@ -5,20 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from study.bounds import LowerBound
 from study.curves import curve_named
 from study.errors import StudyError
 from study.formulation import Scaled
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Demand, EndCondition, Problem
-from study.registry import planner_named, planner_names, unavailable_planners
+from study.registry import bound_named, bound_names, planner_named, planner_names, unavailable_planners
 from study.search.random_search import RandomSearch
-from study.testing import NonconformingError, check_planner, check_search, example_problems, random_problem
+from study.testing import NonconformingError, check_bound, check_planner, check_search, example_problems, random_problem
 
 SLOW = {"bspline-nlp", "ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp"}
 """Planners too slow for the fast tests."""
-BOUNDS = {"any-motion-bound", "lower-bounds"}
-"""What proves a bound and gives no motion is no planner that could solve anything."""
 QUICK = RunSettings("poly353", seed=3, evaluations=60, population=10, formulation="scaled")
 
 
@@ -130,12 +129,69 @@ def test_what_is_wrong_with_a_planner_is_found(planner, sentence):
     "name",
     [
         pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else [])
-        for name in sorted(set(planner_names()) - BOUNDS - set(unavailable_planners()))
+        for name in sorted(set(planner_names()) - set(unavailable_planners()))
     ],
 )
 def test_every_installed_planner_keeps_the_contract(name):
     four = [problem for problem in example_problems() if problem.n_waypoints == 4]
     check_planner(planner_named(name), four, QUICK, may_be_infeasible=name == "toppra")
+
+
+@pytest.mark.parametrize("name", bound_names())
+def test_every_installed_bound_keeps_the_contract(name):
+    check_bound(bound_named(name))
+
+
+class Modest:
+    about = "nothing takes less than no time"
+    freedom = Freedom.FREE
+    knows = RATE_LIMITS
+
+    def bound(self, problem, settings):
+        return LowerBound(0.0, self.freedom)
+
+
+class Wrong(Modest):
+    def bound(self, problem, settings):
+        return LowerBound(1e6, self.freedom)
+
+
+class Moody(Modest):
+    def bound(self, problem, settings):
+        return LowerBound(np.random.default_rng().uniform(0.0, 1e-3), self.freedom)
+
+
+class Bare(Modest):
+    def bound(self, problem, settings):
+        return 0.0
+
+
+class Nameless(Modest):
+    about = ""
+
+
+def test_a_bound_that_claims_nothing_passes():
+    check_bound(Modest())
+
+
+@pytest.mark.parametrize(
+    ("bound", "sentence"),
+    [
+        (Wrong, "less than the bound of 1e\\+06 s"),
+        (Moody, "it proved two bounds"),
+        (Bare, "it answered with a float"),
+        (Nameless, "a bound describes itself, and this lacks `about`"),
+    ],
+)
+def test_what_is_wrong_with_a_bound_is_found(bound, sentence):
+    with pytest.raises(NonconformingError, match=sentence):
+        check_bound(bound(), example_problems()[:2])
+
+
+@pytest.mark.parametrize("value", [-1.0, np.inf, np.nan])
+def test_a_lower_bound_is_a_finite_time(value):
+    with pytest.raises(StudyError, match="finite time of at least 0 s"):
+        LowerBound(value, Freedom.FREE)
 
 
 def test_every_search_of_ours_keeps_the_contract():

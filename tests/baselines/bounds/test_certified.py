@@ -99,8 +99,8 @@ def test_the_planner_reports_its_bounds() -> None:
     assert together.status is alone.status is Status.FINISHED
     assert judge(WOODWORKING, together.motion).feasible
     assert together.details["upper_bound"] == pytest.approx(7.47562, abs=1e-5)
-    assert alone.details["lower_bound"] == pytest.approx(7.24009, abs=1e-4)
-    assert alone.details["lower_bound"] <= together.details["upper_bound"]
+    assert alone.lower_bound == pytest.approx(7.24009, abs=1e-4)
+    assert alone.lower_bound <= together.details["upper_bound"]
     assert together.details["boxes"] >= 1
 
 
@@ -156,7 +156,7 @@ def test_peak_instants_include_the_highest_peak() -> None:
 def test_a_b_spline_is_enclosed_by_its_linear_programme() -> None:
     problem = load_case("ur5-bspline").problem
     plan = Certified().plan(problem, RunSettings("bspline"))
-    assert plan.details["lower_bound"] == pytest.approx(11.70689, abs=1e-5)
+    assert plan.lower_bound == pytest.approx(11.70689, abs=1e-5)
     assert plan.details["upper_bound"] == pytest.approx(11.70725, abs=1e-5)
     assert plan.status is Status.NOT_CONVERGED
     assert "3.1e-05 of the time apart" in plan.message
@@ -167,7 +167,7 @@ def test_the_five_segment_cubic_spline_is_enclosed_to_a_thousandth() -> None:
     problem = load_case("ur5-bspline-rest").problem
     plan = Certified().plan(problem, RunSettings("cubic-spline"))
     assert plan.details["upper_bound"] == pytest.approx(11.01696, abs=1e-4)
-    assert 0.999 * 0.9999 <= plan.details["lower_bound"] / plan.details["upper_bound"] < 1
+    assert 0.999 * 0.9999 <= plan.lower_bound / plan.details["upper_bound"] < 1
     assert judge(problem, plan.motion).feasible
 
 
@@ -242,4 +242,4 @@ def test_joints_whose_turn_comes_too_late_are_enclosed_without_a_solver(
     assert plan.status is Status.NOT_CONVERGED
     assert "of the time apart" in plan.message
     assert judge(problem, plan.motion).feasible
-    assert 0 < plan.details["lower_bound"] < plan.details["upper_bound"]
+    assert 0 < plan.lower_bound < plan.details["upper_bound"]

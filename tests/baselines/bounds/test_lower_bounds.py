@@ -20,7 +20,7 @@ from baselines.state_to_state.via import ruckig_via
 from study import EndCondition, JointLimits, Problem, deadline, judge
 from study.curves import CURVES
 from study.deadline import Deadline, watched
-from study.planning import RunSettings, Status
+from study.planning import Freedom, RunSettings
 from tests.helpers.reference_problems import EACH_LIMIT, INF, small, woodworking
 
 
@@ -200,13 +200,12 @@ def test_it_is_not_slower_than_a_motion_that_reverses_or_dwells():
     assert lower_bound(problem) <= free_path(problem).motion.duration
 
 
-def test_the_planner_shows_no_motion_but_a_bound():
-    plan = AnyMotionBound(n_cells=32, refinements=1).plan(woodworking(), RunSettings("poly353"))
-    assert plan.status is Status.FINISHED
-    assert plan.motion is None
-    assert 0.98 * plan.details["known"] < plan.details["lower_bound"] < plan.details["known"] < 3.37
+def test_the_registered_bound_is_tightened_by_a_motion_that_it_seeks_first():
+    proved = AnyMotionBound(n_cells=32, refinements=1).bound(woodworking(), RunSettings("poly353"))
+    assert proved.freedom is Freedom.FREE
+    assert 0.98 * proved.details["known"] < proved.value < proved.details["known"] < 3.37
     still = Problem("still", [[1.0], [1.0]], JointLimits([1.0]), allow_dwell=True)
-    assert AnyMotionBound().plan(still, RunSettings("poly353")).status is Status.NOT_APPLICABLE
+    assert AnyMotionBound().bound(still, RunSettings("poly353")).value == 0.0
 
 
 @pytest.fixture
@@ -259,6 +258,6 @@ def test_after_its_time_limit_the_planner_asks_no_solver(monkeypatch):
     for name in ("shortest_times", "chain_weights"):
         monkeypatch.setattr(lower_bounds, name, refuse)
     with watched() as watch:
-        plan = AnyMotionBound().plan(woodworking(), RunSettings("poly353", time_limit=1e-9))
+        proved = AnyMotionBound().bound(woodworking(), RunSettings("poly353", time_limit=1e-9))
     assert watch.reached
-    assert 0 < plan.details["lower_bound"] < 3.2 < plan.details["known"] < np.inf
+    assert 0 < proved.value < 3.2 < proved.details["known"] < np.inf

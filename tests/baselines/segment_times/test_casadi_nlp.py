@@ -118,7 +118,7 @@ def test_the_linear_programme_is_a_bound_and_is_met_where_only_velocity_binds() 
     assert velocity_bound(slow) <= total(slow, "bspline") <= velocity_bound(slow) * 1.002
     tight = random_problem(6, 7, 3)
     plan = CasadiNlp().plan(tight, RunSettings("bspline"))
-    assert plan.details["lower_bound"] == pytest.approx(velocity_bound(tight))
+    assert plan.lower_bound == pytest.approx(velocity_bound(tight))
     sample = np.random.default_rng(0).uniform(0.8, 1.3, size=(300, 6))
     assert Scaled(tight, CURVES["bspline"])(sample).min() > plan.durations.sum() > velocity_bound(tight)
 
