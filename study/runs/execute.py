@@ -98,7 +98,9 @@ class CellJob:
             with watched() as watch, reporting(speaker()):
                 answer = asked(method, self.problem, self.cell.settings)
             wall_time = time.perf_counter() - started
-            result = judged(self, answer, wall_time) if isinstance(answer, Plan) else proved(self.cell, answer, wall_time)
+            result = (
+                judged(self, answer, wall_time) if isinstance(answer, Plan) else proved(self.cell, answer, wall_time)
+            )
             return cut_short(result) if watch.reached else result
         except StudyError as error:
             reason = str(error)

@@ -39,10 +39,10 @@ def run(tmp_path, stubs):
 
 
 def test_a_bound_runs_like_a_planner_and_is_kept_as_what_it_is(run, tiny_case):
-    (result,), _ = run(tiny_case, "stub-half", jobs=1)
+    (result,), _ = run(tiny_case, "stub-half", workers=1)
     assert (result.status, result.lower_bound, result.motion, result.verdict) == (Status.FINISHED, 0.5, None, None)
     assert (result.message, result.details) == ("half a second at least", {"halves": 1.0})
-    (again,), _ = run(tiny_case, "stub-half", jobs=1)
+    (again,), _ = run(tiny_case, "stub-half", workers=1)
     assert again.lower_bound == 0.5
     method = next(m for m in summarise_case(tiny_case, [result]).methods if m.label == "stub-half")
     assert (method.kind, method.standing, method.bound) == (Kind.BOUND, Standing.BOUND, 0.5)
