@@ -88,7 +88,7 @@ class Planned:
 
     @property
     def feasible(self) -> bool:
-        """Whether the judge passed the motion."""
+        """True where the judge passed the motion."""
         return self.result.verdict is not None and self.result.verdict.feasible
 
     @property
@@ -106,7 +106,7 @@ class Planned:
 
     @property
     def verdict(self) -> Verdict:
-        """What the judge found.
+        """Verdict of the judge.
 
         Raises
         ------
@@ -215,7 +215,7 @@ def automatic(problem: Problem) -> tuple[str, ...]:
 
 
 def _stops_everywhere(problem: Problem, motion: Motion) -> bool:
-    """Whether a motion rests at every waypoint between the ends."""
+    """Tell if a motion rests at every waypoint between the ends."""
     if problem.n_waypoints < 3:
         return False
     speeds = np.abs(motion(motion.waypoint_times[1:-1], 1))

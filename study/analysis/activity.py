@@ -1,4 +1,4 @@
-"""Which joint uses which limit, and when: the constraint activity of a motion."""
+"""Constraint activity of a motion: the joints that use a limit up, and the times at which they do."""
 
 from __future__ import annotations
 

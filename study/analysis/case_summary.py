@@ -45,7 +45,7 @@ class CaseSummary:
 
     @property
     def ran(self) -> bool:
-        """Whether any planner has run on the case; a stopped run may not have come to it."""
+        """True once a planner has run on the case; a stopped run may not have come to it."""
         return any(method.kind is not Kind.PUBLISHED for method in self.methods)
 
     @cached_property

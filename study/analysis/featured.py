@@ -62,7 +62,7 @@ class Featured:
 
 
 def is_metaheuristic(method: MethodSummary) -> bool:
-    """Whether a method stands for those that the papers propose."""
+    """Tell the methods that the papers propose from trivial and local searches."""
     return method.kind is Kind.SEARCH and method.planner not in (*YARDSTICKS, *SOLVERS)
 
 

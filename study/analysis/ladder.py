@@ -161,7 +161,7 @@ def _rung(step: _Step, seconds: float, above: Sequence[Rung], published: bool) -
 
 
 def _joins(above: Rung, method: MethodSummary, seconds: float) -> bool:
-    """Whether a free path takes the same time as the one before it."""
+    """Tell if a free path takes the same time as the rung above it."""
     return above.freedom is method.freedom is Freedom.FREE and abs(seconds - above.seconds) <= SAME * above.seconds
 
 

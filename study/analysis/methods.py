@@ -99,7 +99,7 @@ class MethodSummary:
 
     @property
     def feasible(self) -> bool:
-        """Whether any run was feasible."""
+        """True where a run was feasible."""
         return bool(self._feasible)
 
     @property
@@ -216,7 +216,7 @@ def bound_of(result: Result) -> float | None:
 
 
 def is_feasible(result: Result) -> bool:
-    """Whether the judge passed the motion of a run."""
+    """True where the judge passed the motion of a run."""
     return result.verdict is not None and result.verdict.feasible
 
 

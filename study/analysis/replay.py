@@ -99,6 +99,6 @@ def replayed(case: Case, result: Result) -> Replay | None:
     together = result.cell.settings.synchronisation == "shared"
     return Replay(
         ("",) if together else tuple(case.problem.joint_names),
-        tuple(tuple(one.populations) for one in watched),
-        tuple(tuple(one.values) for one in watched),
+        tuple(tuple(each.populations) for each in watched),
+        tuple(tuple(each.values) for each in watched),
     )

@@ -21,7 +21,7 @@ from study.trajectory import Extrema, Motion
 
 NANOSECOND = 1e-9
 FIRST_LOOK = 6
-"""How many arms the first look has room for."""
+"""Number of arms that the first look has room for."""
 
 FEW = 3
 """Fewer featured methods than this are joined by the next in rank."""
@@ -101,13 +101,13 @@ class Shown:
 
     @property
     def feasible(self) -> bool:
-        """Whether the motion shown passed the judge."""
+        """True where the motion shown passed the judge."""
         run = self.method.representative
         return run is not None and is_feasible(run)
 
     @property
     def published(self) -> bool:
-        """Whether the paper prints it."""
+        """True for a motion that the paper prints."""
         return self.method.kind is Kind.PUBLISHED
 
     @property
@@ -158,7 +158,7 @@ class Contents:
 
     @property
     def run_time(self) -> float:
-        """How long the first look's motions run, s."""
+        """Duration of the first look's longest motion, s."""
         return max((each.motion.duration for each in self.compared), default=1.0)
 
     @property

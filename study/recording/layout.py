@@ -1,4 +1,4 @@
-"""How the viewer opens a recording: an overview, then one tab per signal, activity, convergence and durations."""
+"""Layout of the viewer: an overview, then one tab per signal, activity, convergence and durations."""
 
 from __future__ import annotations
 

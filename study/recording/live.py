@@ -29,7 +29,7 @@ PAUSE = 2.0
 """Least time between two drawings of one case's standings, s."""
 
 EXPECTED = 24
-"""How many methods the drawings have room for before a reader has to zoom out."""
+"""Number of methods that the drawings have room for before a reader has to zoom out."""
 
 
 class LiveRecording:

@@ -75,14 +75,14 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Effort:
-    """What stands below a drawing of convergence: a name, and how a power of ten of it reads."""
+class EffortAxis:
+    """Horizontal axis of a drawing of convergence: its name and the text of a power of ten."""
 
     name: str
     text: Callable[[float], str]
 
 
-def log_curves(stream: rr.RecordingStream, where: str, lines: Sequence[Line], effort: Effort) -> None:
+def log_curves(stream: rr.RecordingStream, where: str, lines: Sequence[Line], effort: EffortAxis) -> None:
     """Draw curves over two logarithmic axes, each named on the right."""
     low = np.min([line.points.min(axis=0) for line in lines], axis=0)
     low[1] = np.floor(low[1])
@@ -144,7 +144,7 @@ def _spread(heights: Floats) -> Floats:
     return placed
 
 
-def _log_axes(stream: rr.RecordingStream, where: str, low: Floats, high: Floats, effort: Effort) -> None:
+def _log_axes(stream: rr.RecordingStream, where: str, low: Floats, high: Floats, effort: EffortAxis) -> None:
     """Draw a grid with a line for every power of ten."""
     decades = [np.arange(np.ceil(low[k]), np.floor(high[k]) + 1) for k in range(2)]
     across = [_on_paper(np.array([[low[0], y], [high[0], y]]), low, high) for y in decades[1]]

@@ -19,7 +19,7 @@ from study.errors import StudyError
 
 LOOPBACK = "127.0.0.1"
 PATIENCE = 60.0
-"""How long the viewer may take to come up, s."""
+"""Longest time for the viewer to come up, s."""
 
 _PROXIES = ("HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY")
 _HINT = " (to draw without a screen it needs a Vulkan driver, such as Mesa's software one)"
@@ -32,7 +32,7 @@ NOWHERE = {
 
 
 def address(port: int) -> str:
-    """Where a viewer on this machine listens."""
+    """Address of a viewer on this machine."""
     return f"rerun+http://{LOOPBACK}:{port}/proxy"
 
 
@@ -88,9 +88,11 @@ def private_environment() -> Iterator[tuple[str, dict[str, str]]]:
     StudyError
         If the viewer is not installed.
     """
-    found = importlib.util.find_spec("rerun_cli")
+    package = importlib.util.find_spec("rerun_cli")
     program = (
-        Path(found.origin).with_name("rerun.exe" if os.name == "nt" else "rerun") if found and found.origin else None
+        Path(package.origin).with_name("rerun.exe" if os.name == "nt" else "rerun")
+        if package and package.origin
+        else None
     )
     if program is None or not program.exists():
         raise StudyError("the viewer is not installed; install it with: pip install rerun-sdk==0.41.0")

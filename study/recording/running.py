@@ -20,7 +20,7 @@ from study.store.results import Cell
 
 WHERE = "running"
 SLOTS = 2
-"""How many searches are drawn one below the other; with more workers the one that was drawn longest ago makes room."""
+"""Number of searches that are drawn one below the other; with more workers the one that was drawn longest ago makes room."""
 
 WIDE, APART, PITCH = 560.0, 90.0, 430.0
 SAMPLES = 160
@@ -89,7 +89,9 @@ def _log_candidates(stream: rr.RecordingStream, where: str, case: Case, progress
     log_frame(stream, where, corner, bounds, case.problem.n_segments)
     log_text(stream, where + "/name", (corner[0], corner[1] - 24.0), "candidates, best so far in white", GREY)
     dots = [places(one, bounds, corner, (k, parts)) for k, one in enumerate(progress.candidates)]
-    colors = np.repeat(np.array([PALETTE[k % len(PALETTE)] for k in range(parts)]), [len(one) for one in dots], axis=0)
+    colors = np.repeat(
+        np.array([PALETTE[k % len(PALETTE)] for k in range(parts)]), [len(part) for part in dots], axis=0
+    )
     stream.log(where + "/dots", rr.Points2D(np.concatenate(dots), colors=colors, radii=1.8), static=True)
     best = places(progress.durations[None], bounds, corner)
     stream.log(where + "/best", rr.Points2D(best, colors=WHITE, radii=3.0), static=True)

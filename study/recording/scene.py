@@ -28,7 +28,7 @@ SLOW_TO_FAST = np.array(
 OBSTACLES = entity("arms", "_obstacles")
 OBSTACLE_COLOR = (200, 120, 60)
 VIEW = (0.56, 0.40)
-"""How far to the side and up a point may be seen, as shares of its distance; measured in the first look's views."""
+"""Largest distance to the side and up at which a point is seen, as shares of its distance; measured in the first look's views."""
 
 FEW_WAYPOINTS = 6
 """Up to so many waypoints are labelled without pointing at them."""
@@ -36,7 +36,7 @@ FEW_WAYPOINTS = 6
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """Where to look from: the eye and what it looks at, arrays of shape (3,), m."""
+    """Camera: the eye and its target, arrays of shape (3,), m."""
 
     eye: Floats
     target: Floats

@@ -13,11 +13,11 @@ from study.analysis.methods import Kind, MethodSummary
 from study.planning import Freedom
 from study.problem import Floats
 from study.recording.contents import Contents
-from study.recording.pictures import GREY, LADDER_ROOM, Bar, Effort, Line, bars_pitch, log_bars, log_curves
+from study.recording.pictures import GREY, LADDER_ROOM, Bar, EffortAxis, Line, bars_pitch, log_bars, log_curves
 from study.recording.stream import EVALUATION, entity, method_part
 
-EVALUATIONS = Effort("evaluations", count)
-WALL_TIME = Effort("wall time, shared out evenly over the evaluations of a run", wall)
+EVALUATIONS = EffortAxis("evaluations", count)
+WALL_TIME = EffortAxis("wall time, shared out evenly over the evaluations of a run", wall)
 SHORTEST = 1e-6
 """Wall times are not taken for shorter than this, s."""
 

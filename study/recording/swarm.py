@@ -41,7 +41,7 @@ class Swarm:
 
     @property
     def remark(self) -> str:
-        """What happens to the durations before they are driven."""
+        """Remark on the change of the durations before they are driven."""
         run = self.shown.method.representative
         scaled = run is not None and run.cell.settings.formulation is Formulation.SCALED
         return " before they are stretched to the limits" if scaled else ""
@@ -125,7 +125,7 @@ def _spread(last: int, count: int) -> list[int]:
 
 
 def places(durations: Floats, bounds: Floats, corner: Floats, place: tuple[int, int] = (0, 1)) -> Floats:
-    """Where candidates stand: a column for every segment, the duration upwards; shape (n_candidates * n_segments, 2).
+    """Places of candidates in the drawing: a column for every segment, the duration upwards; shape (n_candidates * n_segments, 2).
 
     Parameters
     ----------

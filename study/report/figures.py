@@ -43,7 +43,7 @@ NARROW = 500
 
 QUANTITIES = ("position", "velocity", "acceleration", "jerk")
 OUT_OF_SIGHT = 0.3
-"""Where every method uses less than this share of a limit, the plot shows the motion and not the limit."""
+"""Share of a limit; if every method uses less, the plot shows the motion and not the limit."""
 
 
 def _svg(figure: Figure, key: str, title: str, description: str) -> Markup:

@@ -267,7 +267,7 @@ def featured_series(summary: CaseSummary) -> tuple[list[plot_style.Series], list
 
 
 def _too_long(motion: Motion, best: Featured) -> bool:
-    """Whether a motion would squeeze the others' profiles."""
+    """Tell if a motion would squeeze the others' profiles."""
     usual = best.reference.duration if best.reference else None
     return usual is not None and motion.duration > TOO_LONG * usual
 

@@ -116,11 +116,11 @@ LANES = (-0.15, 0.0, -0.15, 0.16, 0.38)
 """Height of every role above its case's line, so that level methods do not hide one another."""
 
 LABEL_ROOM = 74
-"""What a label takes beside its mark, pixels."""
+"""Width of a label beside its mark, pixels."""
 
 
 def crowded(row: HeadlineRow, mark: Mark, limits: tuple[float, float], width: float) -> bool:
-    """Whether another mark stands where a label to the right of this one would go."""
+    """Tell if another mark stands in the place of a label to the right of this mark."""
     ratios = [other.ratio for other in row.marks if LANES[other.role] == LANES[mark.role] and other is not mark]
     scale = width / np.log(limits[1] / limits[0])
     return any(0 < np.log(ratio / mark.ratio) * scale < LABEL_ROOM for ratio in ratios)

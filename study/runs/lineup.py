@@ -1,4 +1,4 @@
-"""Who runs: planner specifications, the default line-up, and the cells that come of them."""
+"""Planner specifications, the default line-up, and the cells made of them."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Spec:
 
 @dataclass(frozen=True)
 class Budget:
-    """How much every cell may cost.
+    """Budget of every cell: seeds, evaluations and time.
 
     Attributes
     ----------
