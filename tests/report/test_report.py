@@ -5,20 +5,19 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterator
-from dataclasses import fields, replace
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
 from study.analysis.case_summary import summarise, summarise_case
 from study.cases.library import Case, load_case
 from study.errors import StudyError
-from study.problem import Problem
+from study.problem import JointLimits, Problem
 from study.report.page import STANDINGS, build_report
 from study.report.tables import COLUMNS, raw
 from study.runs.execute import CellJob
@@ -73,7 +72,7 @@ def material() -> tuple[dict[str, Case], list[Result]]:
     nasty = Problem(
         NASTY,
         wood.problem.waypoints[:, :2],
-        replace(wood.problem.limits, **_two_joints(wood)),
+        _two_joints(wood),
         joint_names=(NASTY, "b&b"),
     )
     mine = replace(
@@ -88,9 +87,9 @@ def material() -> tuple[dict[str, Case], list[Result]]:
     return {case.name: case for case in (wood, mine)}, [*results, failed]
 
 
-def _two_joints(case: Case) -> dict[str, np.ndarray]:
+def _two_joints(case: Case) -> JointLimits:
     limits = case.problem.limits
-    return {field.name: getattr(limits, field.name)[:2] for field in fields(limits)}
+    return JointLimits(*limits.rates[:, :2], limits.lower[:2], limits.upper[:2])
 
 
 @pytest.fixture(scope="module")
