@@ -153,13 +153,14 @@ def _sensitivities(model: Model, states: Floats) -> tuple[Floats, Floats]:
     run1[:, :, k + 1, k] = run1[:, :, k + 1, k + 1] = first * h / 2
     run1[:, :, k + 1, pieces + 1 + k] = first * (u0 + u1) / 2
     run1[:, :, 0, -2] = run2[:, :, 0, -1] = 1.0
-    one = np.cumsum(run1, axis=2)
+    summing = np.tril(np.ones((pieces + 1, pieces + 1)))
+    one = summing @ run1
     run2[:, :, 1:] = (second * h)[..., None] * one[:, :, :-1]
     both = first * second * h
     run2[:, :, k + 1, k] += both * h / 3
     run2[:, :, k + 1, k + 1] += both * h / 6
     run2[:, :, k + 1, pieces + 1 + k] += second * x1 + both * (2 * u0 + u1) / 3
-    return one, np.cumsum(run2, axis=2)
+    return one, summing @ run2
 
 
 def _assembled(model: Model, at: Pieces, local: Floats) -> tuple[Floats, Floats]:

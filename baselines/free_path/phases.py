@@ -75,9 +75,10 @@ def free_path(question: FreePathProblem, pieces: int | None = None, deadline: fl
     deadline : float, s
         On the clock of `time.monotonic`.
     """
-    pieces = usual_pieces(question, deadline) if pieces is None else pieces
-    held, spent = np.zeros((question.n_segments, question.n_joints), dtype=bool), 0
     begin: Point | None = None
+    if pieces is None:
+        pieces, begin = usual_pieces(question, deadline)
+    held, spent = np.zeros((question.n_segments, question.n_joints), dtype=bool), 0
     for _ in range(ROUNDS):
         model, first = _first_phase(question, pieces, held, begin, deadline)
         outcome = first if first.ending is Ending.LATE else _freed(model, first, deadline)
@@ -119,20 +120,20 @@ def _graded_from(model: Model, begin: Point | None, deadline: float) -> Outcome:
     return solve(frame, started(frame, point, 0.1), _goals(deadline)[0])
 
 
-def usual_pieces(question: FreePathProblem, deadline: float = np.inf) -> int:
-    """Choose the number of pieces per segment.
+def usual_pieces(question: FreePathProblem, deadline: float = np.inf) -> tuple[int, Point | None]:
+    """Choose the number of pieces per segment, with a motion to begin with where there is one.
 
     Waypoints in close order along a smooth path are passed in a small part of the time from stop to stop. There acceleration
     changes little within a segment, and three pieces are enough; a first phase with three pieces tells.
     """
     if question.n_segments < CLOSE:
-        return USUAL
+        return USUAL, None
     model = model_of(question, FEWEST)
     outcome = _graded_from(model, None, deadline)
     share = float(outcome.state.point.durations @ model.tau / model.tau.sum())
     if share < SWIFT:
-        return FEWEST
-    return USUAL if question.n_segments < MANY else MIDDLING
+        return FEWEST, outcome.state.point
+    return USUAL if question.n_segments < MANY else MIDDLING, None
 
 
 def _goals(deadline: float) -> tuple[Goal, Goal, Goal]:
@@ -163,10 +164,10 @@ def _freed(model: Model, first: Outcome, deadline: float) -> Outcome:
 
 
 def _answer(model: Model, outcome: Outcome, iterations: int) -> Answer:
-    """Close the equations and slow the motion down to its limits; of an unfinished motion and the start, the faster one."""
+    """Close the equations and slow the motion down to its limits; of an unfinished motion and a spline in its times, the faster one."""
     points = [outcome.state.point]
     if outcome.ending is Ending.LATE and model.question.scalable:
-        points.append(spline_start(model, graded(model)))
+        points.append(spline_start(model, graded(model), points[0].durations * model.tau))
     candidates = [closed(model, point) for point in points]
     factors = [stretch(model, point) if model.question.scalable else 1.0 for point in candidates]
     times = [float(model.tau @ c.durations) * f for c, f in zip(candidates, factors, strict=True)]

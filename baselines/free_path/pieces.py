@@ -143,10 +143,10 @@ def states_at(model: Model, point: Point) -> tuple[Floats, Floats]:
     y[U1, :, :, :-1], y[U1, :, :, -1] = point.inner, finish[:, :, 0]
     y[H] = h
     run1 = first * h * (y[U0] + y[U1]) / 2
-    sum1 = np.cumsum(run1, axis=2)
+    sum1 = run1 @ model.summing
     y[X1] = begin[:, :, 1, None] + sum1 - run1
     run2 = second * h * (y[X1] + first * h * (2 * y[U0] + y[U1]) / 6)
-    sum2 = np.cumsum(run2, axis=2)
+    sum2 = run2 @ model.summing
     y[X2] = begin[:, :, 2, None] + sum2 - run2
     errors = np.empty((*model.shape[:2], 3))
     errors[:, :, 0] = begin[:, :, 1] + sum1[:, :, -1] - finish[:, :, 1]
@@ -194,8 +194,8 @@ def pull(model: Model, bounds: Bounds, at: Pieces, weights: Floats, ends: Floats
     net = weights[1] - weights[0]
     own = np.einsum("qasjk,qsjk->asjk", at.gradients, net)
     own[H] += bounds.upper[SLOPE] * weights[0, SLOPE] - bounds.lower[SLOPE] * weights[1, SLOPE]
-    after2, start2 = _backwards(own[X2], ends[:, :, 1])
-    after1, start1 = _backwards(own[X1] + second * h * after2, ends[:, :, 0])
+    after2, start2 = _backwards(model, own[X2], ends[:, :, 1])
+    after1, start1 = _backwards(model, own[X1] + second * h * after2, ends[:, :, 0])
     bend = first * second * h * after2
     half = first * after1 / 2
     u = np.zeros((*model.shape[:2], model.pieces + 1))
@@ -205,9 +205,9 @@ def pull(model: Model, bounds: Bounds, at: Pieces, weights: Floats, ends: Floats
     return Costates(after1, after2, u, width, np.stack([start1, start2], axis=2))
 
 
-def _backwards(own: Floats, last: Floats) -> tuple[Floats, Floats]:
+def _backwards(model: Model, own: Floats, last: Floats) -> tuple[Floats, Floats]:
     total = last + own.sum(axis=2)
-    return total[:, :, None] - np.cumsum(own, axis=2), total
+    return total[:, :, None] - own @ model.summing, total
 
 
 def push(model: Model, bounds: Bounds, at: Pieces, step: Point) -> Floats:
@@ -219,11 +219,11 @@ def push(model: Model, bounds: Bounds, at: Pieces, step: Point) -> Floats:
     dy[U1, :, :, :-1], dy[U1, :, :, -1] = step.inner, step.nodes[1:, :, 0]
     dh = dy[H] = step.widths
     run1 = first * (h * (dy[U0] + dy[U1]) + dh * (u0 + u1)) / 2
-    dy[X1] = step.nodes[:-1, :, 1, None] + np.cumsum(run1, axis=2) - run1
+    dy[X1] = step.nodes[:-1, :, 1, None] + run1 @ model.summing - run1
     if bounds.count > EARLY:
         bend = h * (h * (2 * dy[U0] + dy[U1]) / 6 + dh * (2 * u0 + u1) / 3)
         run2 = second * (h * dy[X1] + dh * x1 + first * bend)
-        dy[X2] = step.nodes[:-1, :, 2, None] + np.cumsum(run2, axis=2) - run2
+        dy[X2] = step.nodes[:-1, :, 2, None] + run2 @ model.summing - run2
     else:
         dy[X2] = 0.0
     change = np.einsum("qasjk,asjk->qsjk", at.gradients, dy)

@@ -44,14 +44,23 @@ def _ramps(model: Model) -> Floats:
     return np.nan_to_num(phases.transpose(1, 2, 0), nan=np.inf, posinf=np.inf)
 
 
-def spline_start(model: Model, shares: Floats) -> Point:
-    """Cubic spline through the waypoints at durations from stop to stop, slowed until it keeps all limits."""
+def spline_start(model: Model, shares: Floats, durations: Floats | None = None) -> Point:
+    """Cubic spline through the waypoints, slowed until it keeps all limits at the nodes.
+
+    Parameters
+    ----------
+    model : Model
+    shares : array of shape (n_segments, n_moving, K)
+    durations : array of shape (n_segments,), s, optional
+        Before slowing down; from stop to stop by default.
+    """
     question, joints = model.question, model.joints
-    velocity = node_velocities(question, model.tau)[:, joints]
+    times = model.tau if durations is None else durations
+    velocity = node_velocities(question, times)[:, joints]
     steps = np.diff(question.waypoints[:, joints], axis=0)
-    ends = _accelerations(steps, velocity, model.tau)
-    factor = _stretch(question, joints, velocity, ends, model.tau)
-    return sampled(model, shares, velocity / factor, model.tau * factor)
+    ends = _accelerations(steps, velocity, times)
+    factor = _stretch(question, joints, velocity, ends, times)
+    return sampled(model, shares, velocity / factor, times * factor)
 
 
 def node_velocities(question: FreePathProblem, durations: Floats) -> Floats:
