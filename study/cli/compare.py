@@ -116,9 +116,9 @@ def _compare_papers(cases: list[str] | None, out: Path, full: bool, seeds: int |
 
 def _build_pages(cases: Mapping[str, Case], path: Path, full: bool, seeds: int | None, workers: Workers) -> None:
     """Run what is missing and write the pages beside the store, in `report/comparison`."""
-    from study.comparison import sentences  # here: the comparison is slow to import
-    from study.comparison.build import compare
+    from study.comparison.build import compare  # here: the comparison is slow to import
     from study.comparison.effort import FULL, QUICK
+    from study.comparison.overview import summary
 
     console = make_console()
     effort = FULL if full else QUICK
@@ -136,7 +136,7 @@ def _build_pages(cases: Mapping[str, Case], path: Path, full: bool, seeds: int |
         from study.comparison.pages import write_pages  # here: matplotlib is slow to import
 
         page = write_pages(findings, path.parent / "report" / "comparison", environment())
-    for sentence in sentences.summary(findings):
+    for sentence in summary(findings):
         console.print(sentence, soft_wrap=True)
     console.print(f"comparison: {page}", soft_wrap=True)
 

@@ -1,133 +1,36 @@
-"""The ablations that the papers owe: each improvement switched on by itself, on the same plain search.
-
-References
-----------
-Woodworking paper, Section 2.4; AUBO paper, Eqs. (13)-(15); UR5 paper on SMWOA, Section 3; improved sparrow paper,
-Section 4; PUMA560 paper, Section 3.3.
-"""
+"""The ablations that the papers owe: every improvement by itself against the plain search, on paired seeds."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
 
+from study.analysis.formatting import listed, seconds
 from study.cases.library import Case
-from study.comparison import audit, statistics, tasks
+from study.comparison import statistics, tasks
 from study.comparison.effort import Effort
+from study.comparison.improvements import ABLATIONS, PLAIN, WHOLE, Ablation
+from study.comparison.outcomes import FLOOR, SIGNIFICANT, Outcomes, grouped
+from study.comparison.plots import Mark, Marks
 from study.comparison.statistics import Interval
+from study.comparison.tables import Column, Grid, IntervalColumn, grid, interval_text, p_value, probability
 from study.comparison.trials import Trial, TrialJob, repeated
-from study.search.chaotic_spso import ChaoticSPSO
-from study.search.dynamic_adaptive_pso import DynamicAdaptivePSO
-from study.search.golds_pso import GoldSPSO
-from study.search.reading import PaperReading
-from study.search.smwoa import SMWOA
-from study.search.ssa import SSA
 from study.search.state import Search
 
-PLAIN, WHOLE = "plain", "all together"
 FUNCTIONS = ("sphere", "rastrigin")
 VIEWS = (tasks.ORIGIN, tasks.SHIFTED)
 
 
-@dataclass(frozen=True)
-class Ablation:
-    """A paper's search taken apart.
+class Effect(StrEnum):
+    """Effect of an improvement: large by A12, significant, and with an interval that excludes zero, or none."""
 
-    Attributes
-    ----------
-    paper : str
-        Key of the paper.
-    title : str
-    plain : str
-        What the search is without its improvements.
-    forms : mapping of str to Search
-        `plain`, one entry per improvement by itself, and `all together`.
-    """
-
-    paper: str
-    title: str
-    plain: str
-    forms: Mapping[str, Search[Any]]
-
-    @property
-    def improvements(self) -> list[str]:
-        """Names of the improvements."""
-        return [name for name in self.forms if name not in (PLAIN, WHOLE)]
-
-
-def _switched(plain: Any, **improvements: dict[str, Any]) -> dict[str, Search[Any]]:
-    """Plain form, each group of changed fields by itself, and all of them together."""
-    alone = {name.replace("_", " "): replace(plain, **changes) for name, changes in improvements.items()}
-    every = {field: value for changes in improvements.values() for field, value in changes.items()}
-    return {PLAIN: plain, **alone, WHOLE: replace(plain, **every)}
-
-
-_GOLDS = GoldSPSO(circle_start=False, s_curve_inertia=False, golden_sine=False)
-_ADAPTIVE = DynamicAdaptivePSO(inertia=(0.5, 0.5), learning=(2.0, 2.0), one_number=False)
-_WHALES = SMWOA(arctanh=False, weighted=False, oscillating=False)
-_CHAOTIC = ChaoticSPSO(inertia=(0.65, 0.65), chaotic_start=False, asynchronous=False)
-
-ABLATIONS = (
-    Ablation(
-        "woodworking-golds-pso",
-        "GoldS-PSO",
-        "simple PSO: no velocities, uniform start, inertia falling in a line",
-        _switched(
-            _GOLDS,
-            circle_map_start={"circle_start": True},
-            S_curve_inertia={"s_curve_inertia": True},
-            golden_sine={"golden_sine": True},
-        ),
-    ),
-    Ablation(
-        "aubo-dynamic-adaptive-pso",
-        "dynamic adaptive PSO",
-        "PSO with the middle of the paper's ranges held: inertia 0.5, learning factors 2",
-        _switched(
-            _ADAPTIVE,
-            adaptive_inertia={"inertia": (0.9, 0.1)},
-            adaptive_learning_factors={"learning": (2.5, 1.5)},
-            one_number_per_particle={"one_number": True},
-        ),
-    ),
-    Ablation(
-        "ur5-smwoa",
-        "SMWOA",
-        "WOA",
-        _switched(
-            _WHALES,
-            arctanh_a={"arctanh": True},
-            fitness_weight={"weighted": True},
-            oscillation={"oscillating": True},
-        ),
-    ),
-    Ablation(
-        "ur5-tadf-ssa",
-        "TADF-SSA",
-        "SSA",
-        _switched(
-            SSA(),
-            Tent_map_start={"start": "tent"},
-            step_factor_beta={"adaptive_beta": True},
-            step_factor_K={"adaptive_k": True},
-        ),
-    ),
-    Ablation(
-        "puma560-chaotic-spso",
-        "chaotic SPSO",
-        "PSO with the middle of the inertia's range held: 0.65, learning factors 2",
-        _switched(
-            _CHAOTIC,
-            chaotic_start={"chaotic_start": True},
-            falling_inertia={"inertia": (0.9, 0.4)},
-            asynchronous_learning_factors={"asynchronous": True},
-        )
-        | {"inertia as printed": replace(_CHAOTIC, reading=PaperReading.AS_PRINTED)},
-    ),
-)
+    HELPS = "helps"
+    HARMS = "harms"
+    NONE = "none"
 
 
 def ablation_jobs(cases: Sequence[Case], effort: Effort) -> list[TrialJob]:
@@ -156,7 +59,7 @@ def _form_jobs(name: str, search: Search[Any], cases: Sequence[Case], effort: Ef
 
 @dataclass(frozen=True)
 class AblationFinding:
-    """What one improvement does by itself on one task, against the plain search on paired seeds.
+    """Effect of an improvement by itself on a task, against the plain search on paired seeds.
 
     Attributes
     ----------
@@ -185,47 +88,157 @@ class AblationFinding:
     p: float
 
     @property
-    def effect(self) -> str:
-        """`helps`, `harms` or `none`: large by A12, significant, and with an interval that excludes zero."""
-        strong = max(self.a12, 1 - self.a12) >= statistics.LARGE and self.p < audit.SIGNIFICANT
+    def effect(self) -> Effect:
+        """Effect that counts."""
+        strong = max(self.a12, 1 - self.a12) >= statistics.LARGE and self.p < SIGNIFICANT
         if not (strong and self.difference.excludes_zero):
-            return "none"
-        return "helps" if self.a12 > 0.5 else "harms"
+            return Effect.NONE
+        return Effect.HELPS if self.a12 > 0.5 else Effect.HARMS
 
 
-def ablation_findings(outcomes: audit.Outcomes) -> list[AblationFinding]:
+def ablation_findings(outcomes: Outcomes) -> list[AblationFinding]:
     """Compare every form with the plain one on every task."""
-    values = audit.grouped(outcomes)
-    found = []
+    families: dict[tuple[str, str, str], list[AblationFinding]] = {}
+    for finding in _unadjusted(grouped(outcomes)):
+        families.setdefault((finding.paper, finding.task, finding.view), []).append(finding)
+    return [
+        replace(finding, p=float(p))
+        for family in families.values()
+        for finding, p in zip(family, statistics.holm([member.p for member in family]), strict=True)
+    ]
+
+
+def _unadjusted(values: Mapping[tuple[str, str, str, str], np.ndarray]) -> Iterator[AblationFinding]:
     for ablation in ABLATIONS:
         for form in [*ablation.improvements, WHOLE]:
             for (name, task, formulation, view), plain in values.items():
                 improved = values.get((f"{ablation.paper}: {form}", task, formulation, view))
                 if name == f"{ablation.paper}: {PLAIN}" and improved is not None:
-                    found.append(_finding((ablation.paper, form, task, view), bool(formulation), plain, improved))
-    families: dict[tuple[str, str, str], list[AblationFinding]] = {}
-    for one in found:
-        families.setdefault((one.paper, one.task, one.view), []).append(one)
-    return [
-        replace(one, p=float(p))
-        for family in families.values()
-        for one, p in zip(family, statistics.holm([member.p for member in family]), strict=True)
-    ]
+                    yield _finding((ablation.paper, form, task, view), bool(formulation), plain, improved)
 
 
 def _finding(
-    what: tuple[str, str, str, str], trajectory: bool, plain: np.ndarray, improved: np.ndarray
+    subject: tuple[str, str, str, str], trajectory: bool, plain: np.ndarray, improved: np.ndarray
 ) -> AblationFinding:
     if trajectory:
         first, second = improved / np.median(plain), plain / np.median(plain)
     else:  # errors span hundreds of decades
-        first, second = (np.log10(np.maximum(values, audit.FLOOR)) for values in (improved, plain))
+        first, second = (np.log10(np.maximum(values, FLOOR)) for values in (improved, plain))
     return AblationFinding(
-        *what,
+        *subject,
         trajectory,
         float(np.median(plain)),
         float(np.median(improved)),
         statistics.a12(first, second),
         statistics.median_difference(first, second),
         statistics.signed_rank(first, second),
+    )
+
+
+def _difference(finding: AblationFinding) -> str:
+    ends = finding.difference
+    if finding.trajectory:
+        return interval_text(ends)
+    return f"{ends.estimate:+.2f} ({ends.lower:+.2f} to {ends.upper:+.2f})"
+
+
+def _median(finding: AblationFinding, value: float) -> str:
+    return seconds(value) if finding.trajectory else f"{value:.2g}"
+
+
+COLUMNS: tuple[Column[AblationFinding], ...] = (
+    Column("paper", "", lambda finding: finding.paper),
+    Column("improvement", "Improvement", lambda finding: finding.improvement),
+    Column("", "Task", lambda finding: finding.task if finding.trajectory else f"{finding.task}, {finding.view}"),
+    Column("task", "", lambda finding: finding.task),
+    Column("view", "", lambda finding: finding.view),
+    Column("kind", "", lambda finding: "trajectory" if finding.trajectory else "function"),
+    Column("plain_median", "", lambda finding: finding.plain),
+    Column("improved_median", "", lambda finding: finding.improved),
+    Column("", "Plain", lambda finding: _median(finding, finding.plain)),
+    Column("", "Improved", lambda finding: _median(finding, finding.improved)),
+    Column("a12", "A12", lambda finding: finding.a12, probability),
+    IntervalColumn("difference", "", lambda finding: finding.difference),
+    Column("", "Median difference (95 %)", _difference),
+    Column(
+        "difference_unit",
+        "",
+        lambda finding: "share of the plain median" if finding.trajectory else "decades of error",
+    ),
+    Column("signed_rank_p_holm", "Signed rank p", lambda finding: finding.p, p_value),
+    Column("effect", "Effect", lambda finding: finding.effect),
+)
+
+
+def ablation_grid(ablation: Ablation, findings: Sequence[AblationFinding]) -> Grid:
+    """Every improvement of a paper on every task."""
+    return grid(
+        f"{ablation.title}: each improvement by itself against the plain search ({PLAIN}: {ablation.plain}), on paired seeds; "
+        "differences in percent of the plain median for trajectories, in decades of error for functions.",
+        COLUMNS,
+        findings,
+        {},
+        names=2,
+    )
+
+
+def ablation_plot(ablation: Ablation, findings: Sequence[AblationFinding]) -> Marks:
+    """Probability that an improvement helps: a row for each, a mark for each task."""
+    return Marks(
+        f"effects-{ablation.paper}",
+        f"Ablation of {ablation.title}",
+        "Effect sizes of the improvements; the numbers stand in the table.",
+        [_mark(finding) for finding in findings],
+        "A12: circle, trajectory; triangle, function; filled: significant",
+        line=0.5,
+        heading=ablation.title,
+        edges=(1 - statistics.LARGE, statistics.LARGE),
+        span=(0.0, 1.0),
+    )
+
+
+def _mark(finding: AblationFinding) -> Mark:
+    shape, offset = ("o", -0.15) if finding.trajectory else ("^", 0.15)
+    return Mark(finding.improvement, finding.a12, shape, finding.effect is not Effect.NONE, offset)
+
+
+def of_paper(findings: Sequence[AblationFinding], ablation: Ablation) -> list[AblationFinding]:
+    """Findings on a paper's improvements."""
+    return [finding for finding in findings if finding.paper == ablation.paper]
+
+
+def improvements(findings: Sequence[AblationFinding]) -> list[str]:
+    """Say which improvements matter on trajectory problems, and which on functions only."""
+    sentences = []
+    for ablation in ABLATIONS:
+        own = of_paper(findings, ablation)
+        if any(finding.improvement != WHOLE for finding in own):
+            parts = [f"{name}: {_counted(own, name)}" for name in ablation.improvements]
+            sentences.append(f"{ablation.title}. {'; '.join(parts)}.")
+    return sentences
+
+
+def _counted(findings: Sequence[AblationFinding], name: str) -> str:
+    texts = []
+    for kind, trajectory in (("trajectory", True), ("function", False)):
+        effects = [f.effect for f in findings if f.improvement == name and f.trajectory is trajectory]
+        helps, harms = effects.count(Effect.HELPS), effects.count(Effect.HARMS)
+        texts.append(f"helps on {helps} and harms on {harms} of {len(effects)} {kind} tasks")
+    return ", ".join(texts)
+
+
+def matters(findings: Sequence[AblationFinding]) -> str:
+    """Say how many improvements matter at all."""
+    single = [finding for finding in findings if finding.improvement != WHOLE]
+
+    def helping(trajectory: bool) -> list[str]:
+        helps = [f for f in single if f.effect is Effect.HELPS and f.trajectory is trajectory]
+        names = {(finding.paper, finding.improvement) for finding in helps}
+        return [name for paper, name in every if (paper, name) in names]
+
+    every = list(dict.fromkeys((finding.paper, finding.improvement) for finding in single))
+    arms = helping(True)
+    return (
+        f"Of {len(every)} improvements, {len(arms)} help by themselves on at least one trajectory problem"
+        f"{': ' + listed(arms) if arms else ''}; {len(helping(False))} help on at least one function."
     )

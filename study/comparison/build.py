@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from study.cases.library import Case
-from study.comparison import ablations, audit, claims, differences, performance, statistics
+from study.comparison import ablations, audit, claims, outcomes, ranking, statistics, targets
+from study.comparison.audit_functions import function_jobs
+from study.comparison.audit_trajectories import trajectory_jobs
 from study.comparison.contestants import (
     LEVELS,
     Contestant,
+    Level,
     Reference,
+    Runs,
     contestants,
     level_cells,
     references,
@@ -22,6 +26,7 @@ from study.comparison.effort import Effort
 from study.comparison.trials import TrialJob
 from study.runs.execute import cell_jobs, stored_results
 from study.runs.job import Job
+from study.store.results import Cell
 from study.store.store import Store
 
 FLAGS = "flags"
@@ -30,44 +35,51 @@ Run = Callable[[str, Sequence[Job[Any]]], None]
 
 
 @dataclass(frozen=True, eq=False)
+class Field:
+    """The planners' runs.
+
+    Attributes
+    ----------
+    references : mapping of str to Reference
+    levels : mapping of Level to list of Contestant
+        Contestants at equal budgets, by level.
+    solvers : list of Contestant
+        Compared on wall time and duration.
+    """
+
+    references: Mapping[str, Reference]
+    levels: Mapping[Level, list[Contestant]]
+    solvers: list[Contestant]
+
+
+@dataclass(frozen=True, eq=False)
 class Comparison:
-    """Every finding of the comparison.
+    """Every finding of the comparison, by subject.
 
     Attributes
     ----------
     cases : mapping of str to Case
     effort : Effort
-    references : mapping of str to Reference
-    levels : mapping of str to list of Contestant
-        Contestants at equal budgets, by level.
-    solvers : list of Contestant
-        Compared on wall time and duration.
-    measured : mapping of str to list of Performance
-    pairings : mapping of str to list of Pairing
+    field : Field
+    measured : mapping of Level to list of Performance
+    pairings : mapping of Level to list of Pairing
     omnibus : list of Omnibus
-    functions : list of FunctionFinding
-    trajectories : list of TrajectoryFinding
+    audit : Audit
     ablations : list of AblationFinding
     claims : list of Counterpart
-    flags : mapping of str to str
-        Searches whose result depends on the view, and why.
     failures : mapping of str to int
         Searches that broke down in trials, and how often.
     """
 
     cases: Mapping[str, Case]
     effort: Effort
-    references: Mapping[str, Reference]
-    levels: Mapping[str, list[Contestant]]
-    solvers: list[Contestant]
-    measured: Mapping[str, list[performance.Performance]]
-    pairings: Mapping[str, list[differences.Pairing]]
-    omnibus: list[differences.Omnibus]
-    functions: list[audit.FunctionFinding]
-    trajectories: list[audit.TrajectoryFinding]
+    field: Field
+    measured: Mapping[Level, list[targets.Performance]]
+    pairings: Mapping[Level, list[ranking.Pairing]]
+    omnibus: list[ranking.Omnibus]
+    audit: audit.Audit
     ablations: list[ablations.AblationFinding]
     claims: list[claims.Counterpart]
-    flags: Mapping[str, str]
     failures: Mapping[str, int]
 
 
@@ -94,39 +106,39 @@ def compare(cases: Mapping[str, Case], effort: Effort, store: Store, run: Run) -
     wanted = list(dict.fromkeys([*own, *solving, *(cell for group in cells.values() for cell in group)]))
     run("planners", cell_jobs(wanted, cases))
     runs = {result.cell: result for result in stored_results(store, wanted, cases)}
-    outcomes = {name: _tried(name, part, store, run) for name, part in trial_jobs(chosen, effort).items()}
-    functions = audit.function_findings(outcomes["functions"])
-    trajectories = audit.trajectory_findings(outcomes["trajectories"])
-    flags = audit.flags_of(functions, trajectories)
-    store.note(FLAGS, flags)
-    known = references(chosen, runs)
-    levels = {level: contestants(runs, group, level) for level, group in cells.items()}
-    rankings = [differences.omnibus(found, known, level) for level, found in levels.items()]
+    tried = {name: _tried(name, part, store, run) for name, part in trial_jobs(chosen, effort).items()}
+    audited = audit.audit_of(tried["functions"], tried["trajectories"])
+    store.note(FLAGS, audited.flags)
+    field = _field(chosen, runs, cells, solving)
+    known, levels = field.references, field.levels
+    tests = [ranking.omnibus(group, known, level) for level, group in levels.items()]
     return Comparison(
-        cases,
-        effort,
-        known,
-        levels,
-        contestants(runs, solving, "solver"),
-        {level: performance.performances(found, known) for level, found in levels.items()},
-        {level: differences.pairings(found, known) for level, found in levels.items()},
-        [found for found in rankings if found is not None],
-        functions,
-        trajectories,
-        ablations.ablation_findings(outcomes["ablations"]),
-        claims.counterparts(cases, runs, own, known),
-        flags,
-        _failures(outcomes.values()),
+        cases=cases,
+        effort=effort,
+        field=field,
+        measured={level: targets.performances(group, known) for level, group in levels.items()},
+        pairings={level: ranking.pairings(group, known) for level, group in levels.items()},
+        omnibus=[test for test in tests if test is not None],
+        audit=audited,
+        ablations=ablations.ablation_findings(tried["ablations"]),
+        claims=claims.counterparts(cases, runs, own, known),
+        failures=outcomes.failures(tried.values()),
     )
+
+
+def _field(cases: Sequence[Case], runs: Runs, cells: Mapping[Level, list[Cell]], solving: Sequence[Cell]) -> Field:
+    levels = {level: contestants(runs, group, level) for level, group in cells.items()}
+    return Field(references(cases, runs), levels, contestants(runs, solving, Level.SOLVER))
 
 
 def trial_jobs(cases: Sequence[Case], effort: Effort) -> dict[str, list[TrialJob]]:
     """List the trials of the audit and the ablations."""
     searches = audit.audited_searches(effort.printed)
-    audited = [case for case in cases if case.name in effort.audited([one.name for one in cases])]
+    names = effort.audited([case.name for case in cases])
+    audited = [case for case in cases if case.name in names]
     return {
-        "functions": audit.function_jobs(searches, effort),
-        "trajectories": audit.trajectory_jobs(searches, audited, effort, effort.formulations),
+        "functions": function_jobs(searches, effort),
+        "trajectories": trajectory_jobs(searches, audited, effort, effort.formulations),
         "ablations": ablations.ablation_jobs(cases, effort),
     }
 
@@ -150,16 +162,7 @@ def flags(store_path: Path) -> dict[str, str]:
         return dict(store.noted(FLAGS) or {})
 
 
-def _tried(name: str, jobs: Sequence[TrialJob], store: Store, run: Run) -> audit.Outcomes:
+def _tried(name: str, jobs: Sequence[TrialJob], store: Store, run: Run) -> outcomes.Outcomes:
     run(name, jobs)
     ends = zip(jobs, (ends for _, ends in store.outcomes(jobs)), strict=True)
     return {trial: end for job, several in ends for trial, end in zip(job.trials, several, strict=True)}
-
-
-def _failures(outcomes: Iterable[audit.Outcomes]) -> dict[str, int]:
-    counts: dict[str, int] = {}
-    for part in outcomes:
-        for trial, end in part.items():
-            if end.reason:
-                counts[trial.search] = counts.get(trial.search, 0) + 1
-    return counts

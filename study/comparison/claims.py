@@ -9,11 +9,11 @@ import numpy as np
 
 from study.analysis.published import published_methods
 from study.cases.library import Case
-from study.cases.published import claims
+from study.cases.published import claims as printed_claims
 from study.comparison import statistics
-from study.comparison.contestants import Contestant, Reference, Runs, contestants, installed
-from study.comparison.differences import difference, levelled
+from study.comparison.contestants import Contestant, Level, Reference, Runs, contestants, installed
 from study.comparison.effort import Effort
+from study.comparison.ranking import difference, levelled
 from study.comparison.statistics import Interval
 from study.problem import Floats
 from study.runs.lineup import Spec, make_cells
@@ -22,7 +22,7 @@ from study.store.results import Cell
 
 @dataclass(frozen=True)
 class Headline:
-    """Where a paper's headline stands.
+    """A paper's headline claim and its counterparts here.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class Headline:
     saving, total : str
         Ids of the paper's claims: the share of time saved, and the total time after it.
     against : str
-        What the paper compares with.
+        Opponent in the paper.
     baseline : str
         The planner that stands for the paper's own opponent here.
     """
@@ -54,7 +54,7 @@ HEADLINES = (
 
 @dataclass(frozen=True)
 class Against:
-    """What the totals of one search are against another's at the same budget, on paired seeds.
+    """Totals of a search against another's at the same budget, on paired seeds.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Against:
 
 @dataclass(frozen=True, eq=False)
 class Counterpart:
-    """A claim and what the same search is worth when the comparison is fair.
+    """A claim beside the same search in a fair comparison.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ def claim_cells(cases: Sequence[Case], effort: Effort) -> list[Cell]:
     """Cells of every headline: the paper's search, its opponent and random search, all the paper's own way."""
     cells: list[Cell] = []
     for case in cases:
-        for headline in (one for one in HEADLINES if one.case == case.name):
+        for headline in (headline for headline in HEADLINES if headline.case == case.name):
             names = installed((case.planner, headline.baseline, "random-search"))
             cells += make_cells([case], [Spec(name) for name in names], effort.budget)
     return list(dict.fromkeys(cells))
@@ -136,21 +136,21 @@ def counterparts(
     cases: Mapping[str, Case], runs: Runs, cells: Sequence[Cell], references: Mapping[str, Reference]
 ) -> list[Counterpart]:
     """Lay every claim whose case was run beside its counterparts."""
-    own = contestants(runs, cells, "own")
-    found = []
+    own = contestants(runs, cells, Level.OWN)
+    beside = []
     for headline in HEADLINES:
         if headline.case in cases and headline.case in references:
-            by_name = {one.planner: one for one in own if one.case == headline.case}
+            by_name = {contestant.planner: contestant for contestant in own if contestant.case == headline.case}
             case = cases[headline.case]
             if {case.planner, headline.baseline, "random-search"} <= by_name.keys():
-                found.append(_counterpart(headline, case, by_name, runs, references[headline.case]))
-    return _adjusted(found)
+                beside.append(_counterpart(headline, case, by_name, runs, references[headline.case]))
+    return _adjusted(beside)
 
 
 def _counterpart(
     headline: Headline, case: Case, by_name: Mapping[str, Contestant], runs: Runs, reference: Reference
 ) -> Counterpart:
-    printed = claims(headline.paper)
+    printed = printed_claims(headline.paper)
     ours, baseline, chance = (by_name[name] for name in (case.planner, headline.baseline, "random-search"))
     total = printed[headline.total].value
     feasible, reason = _published(case, total)
@@ -176,8 +176,8 @@ def _counterpart(
     )
 
 
-def _total(one: Contestant) -> float:
-    return float(np.median(one.totals))
+def _total(contestant: Contestant) -> float:
+    return float(np.median(contestant.totals))
 
 
 def against(first: Floats, second: Floats) -> Against:
@@ -187,15 +187,15 @@ def against(first: Floats, second: Floats) -> Against:
     return Against(difference(ours, theirs), statistics.a12(ours, theirs), statistics.signed_rank(ours, theirs))
 
 
-def _adjusted(found: Sequence[Counterpart]) -> list[Counterpart]:
+def _adjusted(beside: Sequence[Counterpart]) -> list[Counterpart]:
     """Adjust the p-values for how many claims stand together, opponent by opponent."""
     for name in ("against_baseline", "against_random"):
-        p_values = statistics.holm([getattr(one, name).p for one in found])
-        found = [
-            replace(one, **{name: replace(getattr(one, name), p=float(p))})
-            for one, p in zip(found, p_values, strict=True)
+        p_values = statistics.holm([getattr(claim, name).p for claim in beside])
+        beside = [
+            replace(claim, **{name: replace(getattr(claim, name), p=float(p))})
+            for claim, p in zip(beside, p_values, strict=True)
         ]
-    return list(found)
+    return list(beside)
 
 
 def _published(case: Case, total: float) -> tuple[bool | None, str]:
@@ -212,7 +212,7 @@ def _published(case: Case, total: float) -> tuple[bool | None, str]:
 
 def _ruckig(case: Case, runs: Runs) -> tuple[Contestant | None, str]:
     cells = [cell for cell in runs if cell.case == case.name and cell.planner == "ruckig-stops"]
-    found = contestants(runs, cells, "free path")
-    if found and np.isfinite(found[0].median):
-        return found[0], ""
+    moved = contestants(runs, cells, Level.FREE)
+    if moved and np.isfinite(moved[0].median):
+        return moved[0], ""
     return None, next((runs[cell].message or "infeasible" for cell in cells), "Ruckig is not installed")

@@ -1,14 +1,17 @@
-"""Who is compared, at which budget, against which reference: the planners' runs seen as contestants."""
+"""The planners' runs as contestants: equal budgets, paired seeds, and the best known of every case."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 
+from study.analysis.formatting import DASH, percent, seconds, wall
 from study.cases.library import Case
 from study.comparison.effort import Effort
+from study.comparison.tables import Column, Grid, PlannerColumn, duration_or, grid
 from study.planners.other_searches import MinimiserPlanner
 from study.planning import Formulation, Freedom
 from study.problem import Floats
@@ -17,10 +20,23 @@ from study.runs.lineup import Spec, make_cells
 from study.runs.selections import CONTESTANTS, REPEATED, YARDSTICKS
 from study.store.results import Cell, Result
 
+
+class Level(StrEnum):
+    """Formulation that runs share, or what else they have in common."""
+
+    SCALED = "scaled"
+    PENALTY = "penalty"
+    OWN = "own"
+    SOLVER = "solver"
+    FREE = "free path"
+
+
 LEVELS = {
-    "scaled": "every candidate stretched until it is exactly feasible, all joints together",
-    "penalty": "the papers' form: total time plus a penalty where a limit is broken, all joints together",
+    Level.SCALED: "every candidate stretched until it is exactly feasible, all joints together",
+    Level.PENALTY: "the papers' form: total time plus a penalty where a limit is broken, all joints together",
 }
+"""Levels of equal budgets."""
+
 SAME = 1e-9
 """Relative difference from which two durations name different records."""
 
@@ -33,7 +49,8 @@ class Contestant:
 
     Attributes
     ----------
-    case, planner, level : str
+    case, planner : str
+    level : Level
     durations : array of shape (n_runs,), s
         As the judge measured them; infinity where a run is infeasible or gave no motion.
     totals : array of shape (n_runs,), s
@@ -47,7 +64,7 @@ class Contestant:
 
     case: str
     planner: str
-    level: str
+    level: Level
     durations: Floats
     totals: Floats
     histories: tuple[Floats, ...]
@@ -73,7 +90,7 @@ class Reference:
     case : str
     value : float, s
     label : str
-        Who found it.
+        Planner that found it.
     curve : str
     """
 
@@ -90,7 +107,7 @@ def installed(names: Sequence[str]) -> list[str]:
     return [name for name in names if name in known]
 
 
-def level_cells(cases: Sequence[Case], level: str, effort: Effort) -> list[Cell]:
+def level_cells(cases: Sequence[Case], level: Level, effort: Effort) -> list[Cell]:
     """Cells of all budgeted contestants of a level: equal budgets, the same seeds for all."""
     names = installed((*YARDSTICKS, *CONTESTANTS))
     specs = [Spec(name, "scaled" if needs_scaling(name) else level, "shared") for name in names]
@@ -113,14 +130,14 @@ def solver_cells(cases: Sequence[Case], effort: Effort) -> list[Cell]:
         for name in installed(effort.solvers)
     ]
     cells = make_cells(cases, specs, effort.budget)
-    return [one for cell in cells for one in (_again(cell, effort.seeds) if cell.planner in REPEATED else [cell])]
+    return [run for cell in cells for run in (_again(cell, effort.seeds) if cell.planner in REPEATED else [cell])]
 
 
 def _again(cell: Cell, times: int) -> list[Cell]:
     return [replace(cell, settings=replace(cell.settings, seed=seed)) for seed in range(times)]
 
 
-def contestants(runs: Runs, cells: Sequence[Cell], level: str) -> list[Contestant]:
+def contestants(runs: Runs, cells: Sequence[Cell], level: Level) -> list[Contestant]:
     """Group the runs of cells by case and planner, in the order of the cells."""
     groups: dict[tuple[str, str], list[Result]] = {}
     for cell in cells:
@@ -129,16 +146,16 @@ def contestants(runs: Runs, cells: Sequence[Cell], level: str) -> list[Contestan
     return [_contestant(case, planner, level, results) for (case, planner), results in groups.items()]
 
 
-def _contestant(case: str, planner: str, level: str, results: list[Result]) -> Contestant:
+def _contestant(case: str, planner: str, level: Level, results: list[Result]) -> Contestant:
     return Contestant(
         case,
         planner,
         level,
-        durations=np.array([judged(one) for one in results]),
-        totals=np.array([one.verdict.duration if one.verdict else np.inf for one in results]),
-        histories=tuple(one.history for one in results),
-        spent=np.array([one.evaluations for one in results], dtype=float),
-        wall=np.array([one.wall_time for one in results]),
+        durations=np.array([judged(result) for result in results]),
+        totals=np.array([result.verdict.duration if result.verdict else np.inf for result in results]),
+        histories=tuple(result.history for result in results),
+        spent=np.array([result.evaluations for result in results], dtype=float),
+        wall=np.array([result.wall_time for result in results]),
     )
 
 
@@ -152,7 +169,7 @@ def references(cases: Sequence[Case], runs: Runs) -> dict[str, Reference]:
 
     Scaled and penalty runs share it, since they look for the same motions; per-joint runs do not, and take no part.
     """
-    found: dict[str, Reference] = {}
+    known: dict[str, Reference] = {}
     for case in cases:
         eligible = [
             result
@@ -164,8 +181,72 @@ def references(cases: Sequence[Case], runs: Runs) -> dict[str, Reference]:
             and np.isfinite(judged(result))
         ]
         if eligible:
-            shortest = min(judged(one) for one in eligible)
-            level = [one for one in eligible if judged(one) <= shortest * (1 + SAME)]
-            best = min(level, key=lambda one: (planner_named(one.cell.planner).stochastic, one.cell.planner))
-            found[case.name] = Reference(case.name, shortest, best.cell.planner, case.curve)
-    return found
+            shortest = min(map(judged, eligible))
+            level = [result for result in eligible if judged(result) <= shortest * (1 + SAME)]
+            best = min(level, key=lambda result: (planner_named(result.cell.planner).stochastic, result.cell.planner))
+            known[case.name] = Reference(case.name, shortest, best.cell.planner, case.curve)
+    return known
+
+
+Run = tuple[Contestant, int]
+"""A contestant and a seed."""
+
+RUN_COLUMNS: tuple[Column[Run], ...] = (
+    Column("level", "", lambda run: run[0].level),
+    Column("case", "", lambda run: run[0].case),
+    PlannerColumn("planner", "", lambda run: run[0].planner),
+    Column("seed", "", lambda run: run[1]),
+    Column("duration_s", "", lambda run: run[0].durations[run[1]]),
+    Column("feasible", "", lambda run: np.isfinite(run[0].durations[run[1]])),
+    Column("evaluations", "", lambda run: int(run[0].spent[run[1]])),
+    Column("wall_s", "", lambda run: run[0].wall[run[1]]),
+)
+
+REFERENCE_COLUMNS: tuple[Column[Reference], ...] = (
+    Column("", "Case", lambda reference: reference.case),
+    Column("", "Best known", lambda reference: reference.value, seconds),
+    PlannerColumn("", "Found by", lambda reference: reference.label),
+    Column("", "Curve family", lambda reference: reference.curve),
+    Column("", "Formulation level", lambda reference: "all joints together"),
+)
+
+
+def runs_of(contestants: Sequence[Contestant]) -> list[Run]:
+    """Every run; the seed is its place."""
+    return [(contestant, seed) for contestant in contestants for seed in range(len(contestant.durations))]
+
+
+def reference_grid(references: Mapping[str, Reference], flags: Mapping[str, str]) -> Grid:
+    """Durations that the targets of every case are shares above."""
+    return grid(
+        "The best known of every case: the shortest motion on the paper's curve family, all joints together, that the judge "
+        "found feasible. Targets and gaps of both formulations are shares above it.",
+        REFERENCE_COLUMNS,
+        references.values(),
+        flags,
+        names=5,
+    )
+
+
+def solver_grid(solvers: Sequence[Contestant], references: Mapping[str, Reference]) -> Grid:
+    """Duration and wall time of the solvers."""
+
+    def behind(solver: Contestant) -> str:
+        known = references.get(solver.case)
+        return percent(solver.median / known.value - 1) if known and np.isfinite(solver.median) else DASH
+
+    columns: tuple[Column[Contestant], ...] = (
+        Column("", "Case", lambda solver: solver.case),
+        Column("", "Solver", lambda solver: solver.planner),
+        Column("", "Duration", lambda solver: solver.median, duration_or("no feasible motion")),
+        Column("", "Against the best known", behind),
+        Column("", "Wall", lambda solver: float(np.median(solver.wall)), wall),
+    )
+    return grid(
+        "Solvers by wall time and duration. TOPP-RA and Ruckig move on other paths than the paper's curve, so they may be "
+        "below the best known on it.",
+        columns,
+        solvers,
+        {},
+        names=2,
+    )

@@ -13,11 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from study.analysis.formatting import ratio as figure_text
-from study.comparison.ablations import AblationFinding
-from study.comparison.audit import ALARM, FunctionFinding, TrajectoryFinding
-from study.comparison.differences import Omnibus
-from study.comparison.performance import Anytime, Distribution
-from study.comparison.tasks import CENTRED, REFLECTED
+from study.comparison.plots import Marks
+from study.comparison.ranking import Omnibus
+from study.comparison.targets import Anytime, Distribution
 from study.report.plot_style import DASHES, GRID, INK, MARKERS, MUTED, RC, SERIES, themed
 
 LEAST = 1e-6
@@ -52,17 +50,17 @@ def _rows(axes: Axes, names: Sequence[str]) -> None:
     axes.set_ylim(len(names) - 0.4, -0.6)
 
 
-def distribution(key: str, found: Sequence[Distribution], styles: dict[str, int]) -> Markup:
+def distribution(key: str, lines: Sequence[Distribution], styles: dict[str, int]) -> Markup:
     """Plot the share of targets reached against evaluations per segment; planners without a style are thin lines."""
     with mpl.rc_context(RC):
         figure, axes = _canvas(720, 380, 58)
-        for one in found:
-            style = styles.get(one.planner)
+        for line in lines:
+            style = styles.get(line.planner)
             look: dict[str, Any] = {"color": MUTED, "linewidth": 0.7} if style is None else _look(style)
-            axes.step(one.costs, one.shares, where="post", **look)
+            axes.step(line.costs, line.shares, where="post", **look)
         axes.set(xscale="log", xlabel="evaluations per segment", ylabel="share of targets reached", ylim=(0, 1.02))
         _decades(axes)
-        names = ", ".join(one.planner for one in found)
+        names = ", ".join(line.planner for line in lines)
         return _svg(
             figure, key, "Targets reached", f"Share of cases, runs and targets reached against evaluations for {names}."
         )
@@ -79,16 +77,17 @@ def _look(style: int) -> dict[str, Any]:
     }
 
 
-def anytime(key: str, case: str, found: Sequence[Anytime], reference: float, styles: dict[str, int]) -> Markup:
+def anytime(key: str, case: str, curves: Sequence[Anytime], reference: float, styles: dict[str, int]) -> Markup:
     """Plot the quartiles of the best objective so far, as a share above the reference, for the planners with a style."""
     with mpl.rc_context(RC):
         figure, axes = _canvas(560, 320, 88, 24)
-        for one in (one for one in found if one.planner in styles):
-            style = styles[one.planner]
-            low, middle, high = np.maximum(one.values / reference - 1.0, LEAST)
+        shown = [curve for curve in curves if curve.planner in styles]
+        for curve in shown:
+            style = styles[curve.planner]
+            low, middle, high = np.maximum(curve.values / reference - 1.0, LEAST)
             known = np.isfinite(high)
             axes.fill_between(
-                one.evaluations[known],
+                curve.evaluations[known],
                 low[known],
                 high[known],
                 color=SERIES[style],
@@ -96,36 +95,36 @@ def anytime(key: str, case: str, found: Sequence[Anytime], reference: float, sty
                 linewidth=0,
                 step="post",
             )
-            shown = np.isfinite(middle)
-            axes.step(one.evaluations[shown], middle[shown], where="post", **_look(style))
+            begun = np.isfinite(middle)
+            axes.step(curve.evaluations[begun], middle[begun], where="post", **_look(style))
         axes.set(xscale="log", yscale="log", xlabel="evaluations", ylabel="above the best known")
         axes.set_title(case, loc="left")
         axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
         _decades(axes)
-        names = ", ".join(one.planner for one in found if one.planner in styles)
+        names = ", ".join(curve.planner for curve in shown)
         return _svg(figure, key, f"Anytime curves on {case}", f"Median and quartiles against evaluations for {names}.")
 
 
-def critical_difference(key: str, found: Omnibus) -> Markup:
+def critical_difference(key: str, test: Omnibus) -> Markup:
     """Plot mean ranks; bars on the right join planners that Nemenyi's test cannot tell apart."""
-    n = len(found.planners)
+    n = len(test.planners)
     with mpl.rc_context(RC):
         figure, axes = _canvas(720, 26 * n + 96, 190, 30)
-        ranks = found.friedman.mean_ranks
+        ranks = test.friedman.mean_ranks
         axes.plot(ranks, range(n), "o", color=INK, markersize=6)
-        for i, group in enumerate(found.groups):
+        for i, group in enumerate(test.groups):
             x = n + 0.5 + 0.45 * i
             axes.plot([x, x], [min(group) - 0.25, max(group) + 0.25], color=INK, linewidth=3, solid_capstyle="butt")
-        axes.plot([1, 1 + found.difference], [-1, -1], color=INK, linewidth=2, marker="|", clip_on=False)
+        axes.plot([1, 1 + test.difference], [-1, -1], color=INK, linewidth=2, marker="|", clip_on=False)
         axes.annotate(
-            f"critical difference {found.difference:.2f}",
-            (1 + found.difference, -1),
+            f"critical difference {test.difference:.2f}",
+            (1 + test.difference, -1),
             xytext=(6, -4),
             textcoords="offset points",
             annotation_clip=False,
         )
-        _rows(axes, found.planners)
-        axes.set_xlim(0.5, max(n + 1.0, n + 0.7 + 0.45 * len(found.groups)))
+        _rows(axes, test.planners)
+        axes.set_xlim(0.5, max(n + 1.0, n + 0.7 + 0.45 * len(test.groups)))
         axes.set_xticks(range(1, n + 1, 1 if n < 10 else 2))
         axes.set_ylim(n - 0.4, -1.5)
         axes.set_xlabel("mean rank over cases (1 is best); a bar joins what cannot be told apart")
@@ -134,65 +133,25 @@ def critical_difference(key: str, found: Omnibus) -> Markup:
         )
 
 
-def ratios(key: str, found: Sequence[FunctionFinding]) -> Markup:
-    """Plot every search's error ratio against the alarm level."""
+def rows_of_marks(plot: Marks) -> Markup:
+    """Draw marks in named rows."""
+    rows = plot.rows
     with mpl.rc_context(RC):
-        figure, axes = _canvas(720, 24 * len(found) + 60, 220)
-        rows = range(len(found))
-        diagonal = [max(one.diagonal, 1e-3) for one in found]
-        axes.axvline(ALARM, color=INK, linewidth=1.4, linestyle=(0, (6, 2)))
-        axes.plot([max(one.shifted, 1e-3) for one in found], rows, "o", color=INK, markersize=7)
-        axes.plot(diagonal, rows, "D", color=INK, markerfacecolor="none", markersize=6)
-        axes.set_xscale("log")
-        _decades(axes)
-        _rows(axes, [one.search for one in found])
-        axes.set_xlabel("error ratio: dot, off the origin; diamond, off the diagonal; dashed: 10")
-        return _svg(figure, key, "Error ratios", "Geometric means over functions; the numbers stand in the table.")
-
-
-def views(key: str, case: str, found: Sequence[TrajectoryFinding]) -> Markup:
-    """Plot how much longer every search's median is in the other views of one case; filled where it is significant."""
-    names = list(dict.fromkeys(one.search for one in found))
-    with mpl.rc_context(RC):
-        figure, axes = _canvas(720, 24 * len(names) + 80, 220, 24)
-        axes.axvline(0.0, color=INK, linewidth=1.2)
-        for one in found:
-            row = names.index(one.search) + (-0.15 if one.view == REFLECTED else 0.15)
-            marker = "o" if one.view == REFLECTED else "s"
-            face = INK if one.depends else "none"
-            axes.plot(
-                100 * (one.seen / one.as_they_are - 1), row, marker, color=INK, markerfacecolor=face, markersize=6
-            )
-        _rows(axes, names)
-        axes.set_title(case, loc="left")
-        axes.set_xlabel(f"change of the median, %: circle {REFLECTED}, square {CENTRED}; filled: significant")
-        return _svg(figure, key, f"Views of {case}", "Change of the median time; the numbers stand in the table.")
-
-
-def effects(key: str, title: str, found: Sequence[AblationFinding]) -> Markup:
-    """Plot the probability that an improvement helps, one row for each, one marker for each task."""
-    names = list(dict.fromkeys(one.improvement for one in found))
-    with mpl.rc_context(RC):
-        figure, axes = _canvas(720, 30 * len(names) + 84, 220, 24)
-        axes.axvline(0.5, color=INK, linewidth=1.2)
-        for edge in (0.29, 0.71):
-            axes.axvline(edge, color=MUTED, linewidth=1.0, linestyle=(0, (4, 3)))
-        for one in found:
-            row = names.index(one.improvement) + (-0.15 if one.trajectory else 0.15)
-            face = INK if one.effect != "none" else "none"
-            axes.plot(
-                one.a12,
-                row,
-                "o" if one.trajectory else "^",
-                color=INK,
-                markerfacecolor=face,
-                markersize=6,
-                clip_on=False,
-            )
-        _rows(axes, names)
-        axes.set_xlim(0, 1)
-        axes.set_title(title, loc="left")
-        axes.set_xlabel("A12: circle, trajectory; triangle, function; filled: significant")
-        return _svg(
-            figure, key, f"Ablation of {title}", "Effect sizes of the improvements; the numbers stand in the table."
-        )
+        figure, axes = _canvas(720, 26 * len(rows) + (84 if plot.heading else 60), 220, 24 if plot.heading else 10)
+        if plot.line is not None:
+            axes.axvline(plot.line, color=INK, linewidth=1.2)
+        for edge in plot.edges:
+            axes.axvline(edge, color=MUTED, linewidth=1.2, linestyle=(0, (5, 3)))
+        for mark in plot.marks:
+            face = INK if mark.filled else "none"
+            place = rows.index(mark.row) + mark.offset
+            axes.plot(mark.x, place, mark.shape, color=INK, markerfacecolor=face, markersize=6, clip_on=False)
+        if plot.logarithmic:
+            axes.set_xscale("log")
+            _decades(axes)
+        _rows(axes, rows)
+        if plot.span is not None:
+            axes.set_xlim(*plot.span)
+        axes.set_title(plot.heading, loc="left")
+        axes.set_xlabel(plot.label)
+        return _svg(figure, plot.key, plot.title, plot.description)

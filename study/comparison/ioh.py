@@ -22,7 +22,7 @@ from study.problem import Floats
 HEADER = "evaluations raw_y"
 
 
-def write_ioh(folder: Path, found: Sequence[Contestant], dimensions: Mapping[str, int]) -> list[Path]:
+def write_ioh(folder: Path, contestants: Sequence[Contestant], dimensions: Mapping[str, int]) -> list[Path]:
     """Write the histories of all contestants; planners and levels are algorithms, cases are functions.
 
     Our histories hold whole populations, so nothing is known at evaluation 1, where the format begins every run. There,
@@ -32,7 +32,7 @@ def write_ioh(folder: Path, found: Sequence[Contestant], dimensions: Mapping[str
     ----------
     folder : Path
         Made if need be.
-    found : sequence of Contestant
+    contestants : sequence of Contestant
     dimensions : mapping of str to int
         Segments of every case.
 
@@ -41,31 +41,31 @@ def write_ioh(folder: Path, found: Sequence[Contestant], dimensions: Mapping[str
     list of Path
         The JSON files.
     """
-    cases = sorted({one.case for one in found})
-    worst = {case: _worst([one for one in found if one.case == case]) for case in cases}
+    cases = sorted({run.case for run in contestants})
+    worst = {case: _worst([run for run in contestants if run.case == case]) for case in cases}
     return [
-        _write(folder, one, cases.index(one.case) + 1, dimensions[one.case], worst[one.case])
-        for one in found
-        if one.histories
+        _write(folder, run, cases.index(run.case) + 1, dimensions[run.case], worst[run.case])
+        for run in contestants
+        if run.histories
     ]
 
 
-def _worst(found: Sequence[Contestant]) -> float:
-    values = [history[:, 1] for one in found for history in one.histories]
+def _worst(contestants: Sequence[Contestant]) -> float:
+    values = [history[:, 1] for run in contestants for history in run.histories]
     finite = [column[np.isfinite(column)] for column in values]
     return max((float(column.max()) for column in finite if column.size), default=0.0)
 
 
-def _write(folder: Path, one: Contestant, number: int, dimension: int, worst: float) -> Path:
-    name, case = file_stem(f"{one.planner}-{one.level}"), file_stem(one.case)
+def _write(folder: Path, contestant: Contestant, number: int, dimension: int, worst: float) -> Path:
+    name, case = file_stem(f"{contestant.planner}-{contestant.level}"), file_stem(contestant.case)
     data = Path(f"data_f{number}_{case}") / f"IOHprofiler_f{number}_DIM{dimension}.dat"
     home = folder / name
     (home / data).parent.mkdir(parents=True, exist_ok=True)
-    rows = [_rows(history, worst) for history in one.histories]
+    rows = [_rows(history, worst) for history in contestant.histories]
     (home / data).write_text("".join(_block(run) for run in rows), encoding="utf-8", newline="\n")
     runs = [
         {"instance": seed + 1, "evals": int(spent), "best": {"evals": int(run[-1, 0]), "y": float(run[-1, 1]), "x": []}}
-        for seed, (run, spent) in enumerate(zip(rows, one.spent, strict=True))
+        for seed, (run, spent) in enumerate(zip(rows, contestant.spent, strict=True))
     ]
     document = {
         "version": "0.3.18",
@@ -74,7 +74,7 @@ def _write(folder: Path, one: Contestant, number: int, dimension: int, worst: fl
         "function_name": case,
         "maximization": False,
         "algorithm": {"name": name, "info": f"time-optimal-study {version('time-optimal-study')}"},
-        "experiment_attributes": [{"formulation": one.level}],
+        "experiment_attributes": [{"formulation": contestant.level}],
         "attributes": HEADER.split(),
         "scenarios": [{"dimension": dimension, "path": data.as_posix(), "runs": runs}],
     }

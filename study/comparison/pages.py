@@ -8,14 +8,21 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from study.comparison import figures, grids, records, sentences
-from study.comparison.ablations import ABLATIONS, PLAIN
+from study.analysis.tables import Record, write_table
+from study.comparison import ablations, audit_functions, audit_trajectories, claims_shown, figures, ranking, targets
 from study.comparison.build import Comparison
-from study.comparison.contestants import LEVELS
-from study.comparison.differences import CONTROLS
-from study.comparison.grids import Grid
+from study.comparison.contestants import (
+    LEVELS,
+    RUN_COLUMNS,
+    Level,
+    reference_grid,
+    runs_of,
+    solver_grid,
+)
+from study.comparison.improvements import ABLATIONS
 from study.comparison.ioh import write_ioh
-from study.comparison.performance import anytime, distributions
+from study.comparison.overview import limitations, summary
+from study.comparison.tables import Grid, records
 from study.errors import StudyError
 from study.report.rendering import render
 from study.runs.selections import YARDSTICKS
@@ -52,12 +59,12 @@ class Page:
     sections: Sequence[Section]
 
 
-def write_pages(found: Comparison, out: Path, environment: Mapping[str, str]) -> Path:
+def write_pages(comparison: Comparison, out: Path, environment: Mapping[str, str]) -> Path:
     """Write all pages, tables and histories.
 
     Parameters
     ----------
-    found : Comparison
+    comparison : Comparison
     out : Path
         Folder, made if need be; a report's index in its parent is linked.
     environment : mapping of str to str
@@ -73,27 +80,28 @@ def write_pages(found: Comparison, out: Path, environment: Mapping[str, str]) ->
     StudyError
         If the folder cannot be written.
     """
-    tables = tables_of(found)
+    tables = tables_of(comparison)
     built = {
-        "index": _claims_page(found),
-        "targets": _targets_page(found),
-        "tests": _tests_page(found),
-        "audit": _audit_page(found),
-        "ablations": _ablations_page(found),
+        "index": _claims_page(comparison),
+        "targets": _targets_page(comparison),
+        "tests": _tests_page(comparison),
+        "audit": _audit_page(comparison),
+        "ablations": _ablations_page(comparison),
     }
     shared = {
-        "limits": sentences.limitations(found),
+        "limits": limitations(comparison),
         "files": list(tables),
         "linked": (out.parent / "index.html").is_file(),
         "environment": environment,
     }
-    segments = {name: case.problem.n_segments for name, case in found.cases.items()}
+    segments = {name: case.problem.n_segments for name, case in comparison.cases.items()}
     try:
         (out / "tables").mkdir(parents=True, exist_ok=True)
-        records.write_tables(out / "tables", tables)
-        write_ioh(out / "ioh", [one for level in found.levels.values() for one in level], segments)
+        for name, rows in tables.items():
+            write_table(out / "tables" / name, rows)
+        write_ioh(out / "ioh", [run for level in comparison.field.levels.values() for run in level], segments)
         for slug, page in built.items():
-            context = {**vars(page), **shared, "current": slug, "pages": PAGES, "flags": found.flags}
+            context = {**vars(page), **shared, "current": slug, "pages": PAGES, "flags": comparison.audit.flags}
             text = render("comparison.html.j2", context, package="study.comparison")
             (out / f"{slug}.html").write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
@@ -103,24 +111,28 @@ def write_pages(found: Comparison, out: Path, environment: Mapping[str, str]) ->
     return out / "index.html"
 
 
-def tables_of(found: Comparison) -> dict[str, list[records.Record]]:
+def tables_of(comparison: Comparison) -> dict[str, list[Record]]:
     """Collect all findings as flat records, by the name of their file."""
-    runs = [one for level in (*found.levels.values(), found.solvers) for one in level]
+    audit, field = comparison.audit, comparison.field
+    runs = [run for level in (*field.levels.values(), field.solvers) for run in runs_of(level)]
+    reached = [row for level in comparison.measured.values() for row in targets.target_rows(level)]
+    pairs = [pair for level in comparison.pairings.values() for pair in level]
+    functions = audit_functions.function_columns(audit.functions)
     return {
-        "runs": records.run_records(runs, found.flags),
-        "targets": [r for level in found.measured.values() for r in records.performance_records(level, found.flags)],
-        "pairs": [r for level in found.pairings.values() for r in records.pairing_records(level, found.flags)],
-        "ranks": records.rank_records(found.omnibus, found.flags),
-        "audit-functions": records.audit_records(found.functions, found.flags),
-        "audit-trajectories": records.view_records(found.trajectories, found.flags),
-        "ablations": records.ablation_records(found.ablations),
-        "claims": records.claim_records(found.claims, found.flags),
+        "runs": records(RUN_COLUMNS, runs, audit.flags),
+        "targets": records(targets.TARGET_COLUMNS, reached, audit.flags),
+        "pairs": records(ranking.PAIR_COLUMNS, pairs, audit.flags),
+        "ranks": records(ranking.RANK_COLUMNS, ranking.places(comparison.omnibus), audit.flags),
+        "audit-functions": records(functions, audit.functions, audit.flags),
+        "audit-trajectories": records(audit_trajectories.TRAJECTORY_COLUMNS, audit.trajectories, audit.flags),
+        "ablations": records(ablations.COLUMNS, comparison.ablations, {}),
+        "claims": records(claims_shown.COLUMNS, comparison.claims, audit.flags),
     }
 
 
-def _claims_page(found: Comparison) -> Page:
-    limits = {name: case.problem.limits for name, case in found.cases.items()}
-    own = [one.headline.case for one in found.claims]
+def _claims_page(comparison: Comparison) -> Page:
+    limits = {name: case.problem.limits for name, case in comparison.cases.items()}
+    own = [claim.headline.case for claim in comparison.claims]
     velocity_only = [case for case in own if (limits[case].acceleration == float("inf")).any()]
     texts = (
         [
@@ -132,7 +144,7 @@ def _claims_page(found: Comparison) -> Page:
     )
     return Page(
         "A fair comparison of five papers' searches",
-        sentences.summary(found),
+        summary(comparison),
         [
             "Each paper's claim compares its search with an opponent, or with durations, of its own choice; the columns to the "
             "right compare it with what could be had: a search that knows nothing, the optimum, and a solver that needs no search.",
@@ -143,28 +155,29 @@ def _claims_page(found: Comparison) -> Page:
             Section(
                 "The headline claims and their counterparts",
                 texts,
-                grids=[grids.claim_grid(found.claims, found.flags)],
+                grids=[claims_shown.claim_grid(comparison.claims, comparison.audit.flags)],
             ),
-            Section("In words", [sentences.claimed(one) for one in found.claims]),
+            Section("In words", [claims_shown.claimed(claim) for claim in comparison.claims]),
         ],
     )
 
 
-def _styles(found: Comparison) -> dict[str, int]:
+def _styles(comparison: Comparison) -> dict[str, int]:
     """Styles of the lines worth telling apart: the trivial opponents that move, PSO, and the best searches by rank."""
-    ranked = found.omnibus[0].planners if found.omnibus else tuple(one.planner for one in found.levels["scaled"])
+    tests, scaled = comparison.omnibus, comparison.field.levels[Level.SCALED]
+    ranked = tests[0].planners if tests else tuple(contestant.planner for contestant in scaled)
     first = [name for name in ("lbfgsb-once", "random-search", "pso") if name in ranked]
     rest = [name for name in dict.fromkeys(ranked) if name not in (*first, *YARDSTICKS)]
     return {name: style for style, name in enumerate([*first, *rest][:N_STYLES])}
 
 
-def _targets_page(found: Comparison) -> Page:
-    styles = _styles(found)
+def _targets_page(comparison: Comparison) -> Page:
+    field, flags, styles = comparison.field, comparison.audit.flags, _styles(comparison)
     legend = [(style, name) for name, style in styles.items()]
-    segments = {name: case.problem.n_segments for name, case in found.cases.items()}
-    sections = [Section("References", grids=[grids.reference_grid(found.references.values(), found.flags)])]
-    for level, measured in found.measured.items():
-        shares = distributions(measured, segments)
+    segments = {name: case.problem.n_segments for name, case in comparison.cases.items()}
+    sections = [Section("References", grids=[reference_grid(field.references, flags)])]
+    for level, measured in comparison.measured.items():
+        shares = targets.distributions(measured, segments)
         drawn = [figures.distribution(f"ecdf-{level}", shares, styles)] if shares else []
         sections.append(
             Section(f"Targets reached, {level} formulation", [f"{level}: {LEVELS[level]}."], drawn, legend=legend)
@@ -172,18 +185,15 @@ def _targets_page(found: Comparison) -> Page:
         sections.append(
             Section(
                 f"Time to target and anytime curves, {level} formulation",
-                figures=[_anytime(found, level, case, i, styles) for i, case in enumerate(found.references)],
-                grids=[
-                    grids.target_grid(case, [one for one in measured if one.contestant.case == case], found.flags)
-                    for case in found.references
-                ],
+                figures=[_anytime(comparison, level, case, i, styles) for i, case in enumerate(field.references)],
+                grids=[targets.target_grid(case, measured, flags) for case in field.references],
                 legend=legend,
             )
         )
-    sections.append(Section("Solvers", grids=[grids.solver_grid(found.solvers, found.references)]))
+    sections.append(Section("Solvers", grids=[solver_grid(field.solvers, field.references)]))
     return Page(
         "How fast every planner comes how near",
-        [sentences.targets_reached(level, measured) for level, measured in found.measured.items()],
+        [targets.targets_reached(level, measured) for level, measured in comparison.measured.items()],
         [
             "A target is a share above the best known. The number below it is the average number of evaluations to reach it if a "
             "failed run is followed by another: all evaluations spent over the number of runs that reached it.",
@@ -198,28 +208,29 @@ def _targets_page(found: Comparison) -> Page:
     )
 
 
-def _anytime(found: Comparison, level: str, case: str, number: int, styles: dict[str, int]) -> Markup:
-    own = [one for one in found.levels[level] if one.case == case and one.planner in styles]
-    return figures.anytime(f"anytime-{level}-{number}", case, anytime(own), found.references[case].value, styles)
+def _anytime(comparison: Comparison, level: Level, case: str, number: int, styles: dict[str, int]) -> Markup:
+    own = [run for run in comparison.field.levels[level] if run.case == case and run.planner in styles]
+    known = comparison.field.references[case].value
+    return figures.anytime(f"anytime-{level}-{number}", case, targets.anytime(own), known, styles)
 
 
-def _tests_page(found: Comparison) -> Page:
-    sections = []
-    for one in found.omnibus:
-        title = f"Over cases, {one.level} formulation"
-        drawn = [figures.critical_difference(f"cd-{one.level}", one)]
-        sections.append(Section(title, [sentences.weakness(one)], drawn, [grids.rank_grid(one, found.flags)]))
-    for level, pairs in found.pairings.items():
-        tables = [
-            grids.pairing_grid(case, control, chosen, found.flags)
-            for case in found.references
-            for control in CONTROLS
-            if (chosen := [one for one in pairs if one.case == case and one.control == control])
-        ]
+def _tests_page(comparison: Comparison) -> Page:
+    flags = comparison.audit.flags
+    sections = [
+        Section(
+            f"Over cases, {test.level} formulation",
+            [ranking.weakness(test)],
+            [figures.critical_difference(f"cd-{test.level}", test)],
+            [ranking.rank_grid(test, flags)],
+        )
+        for test in comparison.omnibus
+    ]
+    for level, pairs in comparison.pairings.items():
+        tables = ranking.pairing_grids(pairs, flags)
         sections.append(Section(f"Case by case, {level} formulation", grids=tables, folded=True))
     return Page(
         "Which differences are real",
-        [sentences.ranking(one) for one in found.omnibus] + [sentences.weakness(one) for one in found.omnibus[:1]],
+        [*map(ranking.ranking, comparison.omnibus), *map(ranking.weakness, comparison.omnibus[:1])],
         [
             "A12 is the probability that a run of the planner is shorter than one of the control: 0.5 is no difference, 0.71 is large.",
             "The median difference is planner minus control on the same seed, as a share of the best known, with a bootstrap interval.",
@@ -231,24 +242,16 @@ def _tests_page(found: Comparison) -> Page:
     )
 
 
-def _audit_page(found: Comparison) -> Page:
-    drawn = [figures.ratios("ratios", found.functions)] if found.functions else []
-    keys = list(dict.fromkeys((one.case, one.formulation) for one in found.trajectories))
-    viewed = [
-        figures.views(
-            f"views-{i}",
-            f"{case}, {formulation} formulation",
-            [one for one in found.trajectories if (one.case, one.formulation) == (case, formulation)],
-        )
-        for i, (case, formulation) in enumerate(keys)
-    ]
-    effort = found.effort
+def _audit_page(comparison: Comparison) -> Page:
+    audit, effort = comparison.audit, comparison.effort
+    drawn = [figures.rows_of_marks(audit_functions.function_plot(audit.functions))] if audit.functions else []
+    viewed = [figures.rows_of_marks(plot) for plot in audit_trajectories.trajectory_plots(audit.trajectories)]
     return Page(
         "Invariance audit: does a result depend on where the origin is?",
         [
-            sentences.functions_audited(found.functions),
-            sentences.axes_audited(found.functions),
-            sentences.trajectories_audited(found.trajectories),
+            audit_functions.functions_audited(audit.functions),
+            audit_functions.axes_audited(audit.functions),
+            audit_trajectories.trajectories_audited(audit.trajectories),
         ],
         [
             "A sound search gives the same results wherever the optimum lies. The error with the optimum shifted, by a random amount in "
@@ -262,22 +265,25 @@ def _audit_page(found: Comparison) -> Page:
             "their range. A search that is better with the durations as they are may be flattered by a pull to zero.",
         ],
         [
-            Section("Functions", figures=drawn, grids=[grids.function_grid(found.functions, found.flags)]),
-            Section("Trajectory problems", figures=viewed, grids=[grids.view_grid(found.trajectories, found.flags)]),
+            Section("Functions", figures=drawn, grids=[audit_functions.function_grid(audit.functions, audit.flags)]),
+            Section(
+                "Trajectory problems",
+                figures=viewed,
+                grids=[audit_trajectories.trajectory_grid(audit.trajectories, audit.flags)],
+            ),
         ],
     )
 
 
-def _ablations_page(found: Comparison) -> Page:
+def _ablations_page(comparison: Comparison) -> Page:
     sections = []
-    for i, one in enumerate(ABLATIONS):
-        own = [finding for finding in found.ablations if finding.paper == one.paper]
-        drawn = [figures.effects(f"effects-{i}", one.title, own)] if own else []
-        plain = f"{PLAIN}: {one.plain}"
-        sections.append(Section(one.title, figures=drawn, grids=[grids.ablation_grid(one.title, plain, own)]))
+    for ablation in ABLATIONS:
+        own = ablations.of_paper(comparison.ablations, ablation)
+        drawn = [figures.rows_of_marks(ablations.ablation_plot(ablation, own))] if own else []
+        sections.append(Section(ablation.title, figures=drawn, grids=[ablations.ablation_grid(ablation, own)]))
     return Page(
         "The ablations that the papers owe",
-        [sentences.matters(found.ablations), *sentences.improvements(found.ablations)],
+        [ablations.matters(comparison.ablations), *ablations.improvements(comparison.ablations)],
         [
             "Each improvement is switched on by itself on the paper's plain search, and then all together; the same seeds for all.",
             "An effect counts when A12 is at least 0.71 or at most 0.29, the signed rank test, adjusted by Holm for the paper's forms "

@@ -41,8 +41,8 @@ def hits(histories: Sequence[Floats], reference: float, targets: Sequence[float]
         What the targets are fractions above.
     targets : sequence of float
     """
-    found = [[first_hit(history, reference * (1.0 + t)) for t in targets] for history in histories]
-    return np.array(found, dtype=float).reshape(-1, len(targets))
+    costs = [[first_hit(history, reference * (1.0 + t)) for t in targets] for history in histories]
+    return np.array(costs, dtype=float).reshape(-1, len(targets))
 
 
 def average_runtime(hits: ArrayLike, spent: ArrayLike) -> float:

@@ -159,8 +159,8 @@ def friedman(table: ArrayLike) -> Friedman:
     ranks = stats.rankdata(rows, axis=1)
     if np.ptp(ranks) == 0:
         return Friedman(0.0, 1.0, ranks.mean(axis=0), len(rows))
-    found = stats.friedmanchisquare(*rows.T)
-    return Friedman(float(found.statistic), float(found.pvalue), ranks.mean(axis=0), len(rows))
+    test = stats.friedmanchisquare(*rows.T)
+    return Friedman(float(test.statistic), float(test.pvalue), ranks.mean(axis=0), len(rows))
 
 
 def smallest_omnibus_p(n_cases: int, n_methods: int) -> float:
@@ -188,12 +188,12 @@ def nemenyi_quantile(n_methods: int, alpha: float = 0.05) -> float:
     return float(stats.studentized_range.ppf(1 - alpha, n_methods, np.inf) / math.sqrt(2.0))
 
 
-def against_control(found: Friedman, control: int) -> Floats:
+def against_control(test: Friedman, control: int) -> Floats:
     """Holm-adjusted p of every method's mean rank against one method's; 1 for the control itself.
 
     Parameters
     ----------
-    found : Friedman
+    test : Friedman
     control : int
         Column of the control.
 
@@ -201,8 +201,8 @@ def against_control(found: Friedman, control: int) -> Floats:
     ----------
     Demsar 2006, Section 3.2.2: z = (R_i - R_j) / sqrt(k (k + 1) / 6 N).
     """
-    k = len(found.mean_ranks)
-    z = (found.mean_ranks - found.mean_ranks[control]) / math.sqrt(k * (k + 1) / (6.0 * found.n_cases))
+    k = len(test.mean_ranks)
+    z = (test.mean_ranks - test.mean_ranks[control]) / math.sqrt(k * (k + 1) / (6.0 * test.n_cases))
     p = 2.0 * stats.norm.sf(np.abs(z))
     others = np.arange(k) != control
     adjusted = np.ones(k)

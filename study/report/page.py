@@ -16,6 +16,7 @@ from study.analysis.featured import ROLE_NAMES, Featured
 from study.analysis.ladder import Rung, breakdown_of
 from study.analysis.methods import Kind, MethodSummary, Standing, known_times, names_explained
 from study.analysis.sentences import answer, case_answer
+from study.analysis.tables import Record, raw
 from study.cases.library import Case
 from study.cases.papers import paper_of
 from study.cautions import ends_said
@@ -26,7 +27,7 @@ from study.planning import Freedom
 from study.report import figures, plot_style
 from study.report.convergence import convergence_of
 from study.report.rendering import render
-from study.report.tables import COLUMNS, Record, motion_files, raw, result_record, write_motions, write_tables
+from study.report.tables import COLUMNS, motion_files, result_record, write_motions, write_tables
 from study.trajectory import Motion
 
 TOO_LONG = 3.0

@@ -1,28 +1,22 @@
-"""The tables of the report: one set of records for the page, CSV and Parquet; the only file that imports pyarrow."""
+"""The tables of the report: one set of records for the page, CSV and Parquet."""
 
 from __future__ import annotations
 
-import csv
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
-import pyarrow as pa
-import pyarrow.parquet as pq
-
 from study.analysis.case_summary import CaseSummary
 from study.analysis.formatting import DASH, bare_seconds, count, percent, share, wall
 from study.analysis.methods import Kind, MethodSummary
+from study.analysis.tables import Record, Value, write_table
 from study.cases.library import Case
 from study.io.export import usual_rate, write_motion
 from study.io.filenames import file_stem
 from study.judge import RATES
 from study.runs.lineup import QUICK_EVALUATIONS, TIME_LIMIT
-
-Value = str | int | float | bool | None
-Record = dict[str, Value]
 
 
 @dataclass(frozen=True)
@@ -87,7 +81,6 @@ COLUMNS = (
 )
 
 
-ARROW = {str: pa.string(), int: pa.int64(), float: pa.float64(), bool: pa.bool_()}
 SCHEMAS: dict[str, dict[str, type]] = {
     "results": {
         **dict.fromkeys(("case",), str), "rank": int, **dict.fromkeys(("method", "kind", "path"), str),
@@ -240,17 +233,7 @@ def write_tables(folder: Path, name: str, summaries: Sequence[CaseSummary], sour
         "segments": [record for pair in pairs for record in segment_records(*pair)],
     }
     for kind, records in tables.items():
-        with (folder / f"{name}-{kind}.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(SCHEMAS[kind])
-            writer.writerows([[raw(record[key]) for key in SCHEMAS[kind]] for record in records])
-        schema = pa.schema([(key, ARROW[of]) for key, of in SCHEMAS[kind].items()])
-        pq.write_table(pa.Table.from_pylist(records, schema=schema), folder / f"{name}-{kind}.parquet")
-
-
-def raw(value: Value) -> str:
-    """Write a value exactly as the CSV file does."""
-    return "" if value is None else repr(value) if isinstance(value, float) else str(value)
+        write_table(folder / f"{name}-{kind}", records, SCHEMAS[kind])
 
 
 def _float(value: float | None) -> float | None:

@@ -5,11 +5,12 @@ import pytest
 
 from study.analysis.formatting import ratio
 from study.cases.library import load_case
-from study.comparison import ablations, audit, tasks
-from study.comparison.audit import FunctionFinding, TrajectoryFinding
+from study.comparison import ablations, audit, audit_functions, audit_trajectories, tasks
+from study.comparison.audit_functions import ALARM, FunctionFinding, axes_audited, function_grid
+from study.comparison.audit_trajectories import TrajectoryFinding
 from study.comparison.effort import QUICK
-from study.comparison.grids import function_grid
-from study.comparison.sentences import axes_audited
+from study.comparison.improvements import ABLATIONS, PLAIN, WHOLE
+from study.comparison.outcomes import grouped
 from study.comparison.trials import Trial, TrialJob, TrialOutcome
 from study.curves import curve_named
 from study.errors import StudyError
@@ -90,10 +91,10 @@ def test_unknown_views_and_functions_are_named():
 
 
 def test_error_ratio_and_geometric_mean_by_hand():
-    assert audit.error_ratio(np.array([2.0, 4.0]), np.array([1.0, 0.0])) == 6.0
-    assert audit.error_ratio(np.array([0.0]), np.array([1e-20])) == 1.0
-    assert audit.error_ratio(np.array([1e-3]), np.array([0.0])) == pytest.approx(1e5)
-    assert audit.geometric_mean([1.0, 100.0]) == pytest.approx(10.0)
+    assert audit_functions.error_ratio(np.array([2.0, 4.0]), np.array([1.0, 0.0])) == 6.0
+    assert audit_functions.error_ratio(np.array([0.0]), np.array([1e-20])) == 1.0
+    assert audit_functions.error_ratio(np.array([1e-3]), np.array([0.0])) == pytest.approx(1e5)
+    assert audit_functions.geometric_mean([1.0, 100.0]) == pytest.approx(10.0)
 
 
 def test_ratios_read_plainly():
@@ -115,7 +116,7 @@ def _outcomes(values):
 
 
 def test_function_findings_by_hand():
-    found = audit.function_findings(
+    found = audit_functions.function_findings(
         _outcomes(
             {
                 ("a", "f", tasks.ORIGIN): [1.0, 3.0], ("a", "f", tasks.SHIFTED): [200.0, 600.0],
@@ -137,9 +138,9 @@ def test_one_run_that_is_stuck_decides_nothing_on_the_diagonal():
         ("a", "f", tasks.SHIFTED): [1.0],
         ("a", "f", tasks.DIAGONAL): [1.0, 2.0, 3.0],
     }
-    stuck = audit.function_findings(_outcomes(values | {("a", "f", tasks.OFF_DIAGONAL): [4.0, 3.0, 9000.0]}))
+    stuck = audit_functions.function_findings(_outcomes(values | {("a", "f", tasks.OFF_DIAGONAL): [4.0, 3.0, 9000.0]}))
     assert stuck[0].diagonal == 2.0
-    worse = audit.function_findings(_outcomes(values | {("a", "f", tasks.OFF_DIAGONAL): [1.0, 80.0, 90.0]}))
+    worse = audit_functions.function_findings(_outcomes(values | {("a", "f", tasks.OFF_DIAGONAL): [1.0, 80.0, 90.0]}))
     assert worse[0].diagonal == 40.0
     assert list(audit.flags_of(worse, [])) == ["a"]
 
@@ -149,7 +150,7 @@ def test_trajectory_findings_by_hand():
         ("a", tasks.AS_IT_IS): [1.0, 2.0, 3.0], ("a", tasks.REFLECTED): [4.0, 5.0, 6.0], ("a", tasks.CENTRED): [1.0, 2.0, 3.0],
         ("b", tasks.REFLECTED): [1.0, 1.0, 1.0],
     }  # fmt: skip
-    found = audit.trajectory_findings(
+    found = audit_trajectories.trajectory_findings(
         {
             Trial(search, "case", view, seed, 10, 5, formulation="penalty"): TrialOutcome(value)
             for (search, view), values in durations.items()
@@ -188,15 +189,15 @@ def test_flags_name_the_view_that_matters():
 def test_the_audit_flags_those_that_contract_and_not_the_standard_ones():
     every = audit.audited_searches(printed=False)
     biased, sound = {"gold-sa", "golds-pso", "simple-pso", "woa", "ssa"}, {"pso", "de", "random-search"}
-    jobs = audit.function_jobs({name: every[name] for name in biased | sound}, SMALL)
-    found = audit.function_findings(run_all([job for job in jobs if job.trial.view in ("origin", "shifted")]))
+    jobs = audit_functions.function_jobs({name: every[name] for name in biased | sound}, SMALL)
+    found = audit_functions.function_findings(run_all([job for job in jobs if job.trial.view in ("origin", "shifted")]))
     ratios = {one.search: one.shifted for one in found}
-    assert {name for name, ratio in ratios.items() if ratio > audit.ALARM} == biased
+    assert {name for name, ratio in ratios.items() if ratio > ALARM} == biased
 
 
 def test_random_search_is_blind_to_the_view_up_to_rounding():
-    jobs = audit.trajectory_jobs({"r": RandomSearch()}, [WOODWORKING], SMALL, ["scaled"])
-    values = audit.grouped(run_all(jobs))
+    jobs = audit_trajectories.trajectory_jobs({"r": RandomSearch()}, [WOODWORKING], SMALL, ["scaled"])
+    values = grouped(run_all(jobs))
     same = [values["r", "woodworking", "scaled", view] for view in (tasks.AS_IT_IS, tasks.CENTRED)]
     assert same[0] == pytest.approx(same[1], rel=1e-9)
 
@@ -209,17 +210,17 @@ def test_a_search_that_breaks_down_is_a_record():
 
 
 def test_ablations_switch_one_thing_at_a_time():
-    assert {one.paper for one in ablations.ABLATIONS} == {load_case(n).paper for n in _papers_cases()}
-    for one in ablations.ABLATIONS:
-        plain = vars(one.forms[ablations.PLAIN])
+    assert {one.paper for one in ABLATIONS} == {load_case(n).paper for n in _papers_cases()}
+    for one in ABLATIONS:
+        plain = vars(one.forms[PLAIN])
         changed = {
             name: {field for field, value in vars(search).items() if value != plain[field]}
             for name, search in one.forms.items()
         }
-        singles = [fields for name, fields in changed.items() if name not in (ablations.PLAIN, ablations.WHOLE)]
+        singles = [fields for name, fields in changed.items() if name not in (PLAIN, WHOLE)]
         assert len(singles) >= 3
         assert all(len(fields) == 1 for fields in singles)
-        assert changed[ablations.WHOLE] <= set().union(*singles)
+        assert changed[WHOLE] <= set().union(*singles)
 
 
 def _papers_cases():
@@ -228,7 +229,7 @@ def _papers_cases():
 
 def test_plain_smwoa_is_woa():
     trial = Trial("", "sphere", tasks.SHIFTED, 2, 400, 20, 5)
-    smwoa = next(one for one in ablations.ABLATIONS if one.title == "SMWOA").forms[ablations.PLAIN]
+    smwoa = next(one for one in ABLATIONS if one.title == "SMWOA").forms[PLAIN]
     assert isinstance(smwoa, SMWOA)
     assert TrialJob(trial, smwoa, range(2, 4)).run() == TrialJob(trial, WOA(), range(2, 4)).run()
 

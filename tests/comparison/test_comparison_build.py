@@ -130,13 +130,13 @@ def test_nothing_is_run_twice(whole):
 
 def test_flags_are_kept_for_the_report(whole, tmp_path):
     path, found = whole
-    assert flags(path) == found.flags
+    assert flags(path) == found.audit.flags
     assert flags(tmp_path / "nothing.sqlite") == {}
 
 
 def test_every_table_holds_the_trivial_opponents(whole):
     _, found = whole
-    for level, contestants in found.levels.items():
+    for level, contestants in found.field.levels.items():
         for case in CASES:
             planners = {one.planner for one in contestants if one.case == case}
             assert set(YARDSTICKS) < planners, (level, case)
@@ -156,8 +156,8 @@ def test_budgets_are_equal_and_seeds_paired():
 
 def test_the_reference_is_the_shortest_feasible_motion_of_the_same_level(whole):
     _, found = whole
-    for case, reference in found.references.items():
-        levels = [one for level in found.levels.values() for one in level if one.case == case]
+    for case, reference in found.field.references.items():
+        levels = [one for level in found.field.levels.values() for one in level if one.case == case]
         assert reference.value <= min(one.durations.min() for one in levels)
         assert reference.curve == CASES[case].curve
         assert all(one.gap >= 0 for level in found.measured.values() for one in level)
@@ -186,7 +186,7 @@ def test_every_papers_headline_is_known():
 
 def test_pages_are_self_contained_and_flag_their_searches(whole, tmp_path):
     _, found = whole
-    flagged = replace(found, flags={"pso": "its result <depends> on a test"})
+    flagged = replace(found, audit=replace(found.audit, flags={"pso": "its result <depends> on a test"}))
     first = write_pages(flagged, tmp_path / "comparison", {"Python": "3"})
     assert first.name == "index.html"
     for slug in PAGES:
@@ -205,7 +205,7 @@ def test_pages_are_self_contained_and_flag_their_searches(whole, tmp_path):
         key = next(
             (key for key in ("planner", "search") if key in records[0]), None
         )  # the ablations' forms are no planners
-        assert key is None or all(one["flag"] == flagged.flags.get(one[key], "") for one in records), name
+        assert key is None or all(one["flag"] == flagged.audit.flags.get(one[key], "") for one in records), name
     for slug in ("targets", "tests", "audit"):
         text = (tmp_path / "comparison" / f"{slug}.html").read_text()
         assert 'pso <abbr title="its result &lt;depends&gt; on a test">⚑</abbr>' in text
@@ -222,8 +222,8 @@ def test_tables_survive_their_files(whole, tmp_path):
 
 def test_ioh_files_say_what_the_histories_say(whole, tmp_path):
     _, found = whole
-    files = write_ioh(tmp_path, found.levels["scaled"], {"puma560": 3, "woodworking": 3})
-    by_name = {(one.planner, one.case): one for one in found.levels["scaled"]}
+    files = write_ioh(tmp_path, found.field.levels["scaled"], {"puma560": 3, "woodworking": 3})
+    by_name = {(one.planner, one.case): one for one in found.field.levels["scaled"]}
     document = json.loads(next(path for path in files if path.match("pso-scaled/*puma560*")).read_text())
     runs = document["scenarios"][0]["runs"]
     pso = by_name["pso", "puma560"]
@@ -238,7 +238,7 @@ def test_ioh_files_say_what_the_histories_say(whole, tmp_path):
 def test_iohinspector_reads_the_export(whole, tmp_path):
     iohinspector = pytest.importorskip("iohinspector")
     _, found = whole
-    levels = [one for level in found.levels.values() for one in level]
+    levels = [one for level in found.field.levels.values() for one in level]
     write_ioh(tmp_path, levels, {"puma560": 3, "woodworking": 3})
     manager = iohinspector.DataManager()
     manager.add_folder(str(tmp_path))

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from study.comparison import runtime
-from study.comparison.contestants import Contestant
-from study.comparison.performance import distributions, performance
+from study.comparison.contestants import Contestant, Level
+from study.comparison.targets import distributions, performance
 
 RUN = np.array([[10.0, np.inf], [20.0, 8.0], [30.0, 5.5], [40.0, 5.0]])
 OTHER = np.array([[10.0, 7.0], [20.0, 6.0], [30.0, 6.0], [40.0, 6.0]])
@@ -50,7 +50,7 @@ def test_quartiles_by_hand():
 
 def contestant(planner, histories, durations, wall):
     return Contestant(
-        "case", planner, "scaled", np.array(durations), np.array(durations), tuple(histories),
+        "case", planner, Level.SCALED, np.array(durations), np.array(durations), tuple(histories),
         np.array([history[-1, 0] for history in histories]), np.array(wall),
     )  # fmt: skip
 

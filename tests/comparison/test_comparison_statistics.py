@@ -6,8 +6,8 @@ import pytest
 
 from study.comparison import statistics
 from study.comparison.claims import against
-from study.comparison.contestants import Contestant, Reference
-from study.comparison.differences import levelled, omnibus, pairings
+from study.comparison.contestants import Contestant, Level, Reference
+from study.comparison.ranking import levelled, omnibus, pairings
 from study.errors import StudyError
 
 
@@ -155,7 +155,7 @@ def test_durations_within_the_judges_tolerance_are_ties():
 def contestant(planner, case, durations):
     durations = np.array(durations, dtype=float)
     ones = np.ones(len(durations))
-    return Contestant(case, planner, "scaled", durations, durations, (), ones, ones)
+    return Contestant(case, planner, Level.SCALED, durations, durations, (), ones, ones)
 
 
 REFERENCES = {"one": Reference("one", 2.0, "x", "poly353"), "two": Reference("two", 4.0, "x", "poly353")}
@@ -192,7 +192,7 @@ def test_the_omnibus_ranks_medians_and_puts_failures_last():
             if value
         ],
         REFERENCES,
-        "scaled",
+        Level.SCALED,
     )
     assert found.planners == (
         "pso",
@@ -205,7 +205,7 @@ def test_the_omnibus_ranks_medians_and_puts_failures_last():
     assert found.groups == [(0, 1, 2)]
     # z = 1.5 / sqrt(3 * 4 / 12) = 1.5 and two-sided p = 0.1336, doubled by Holm
     assert found.against_control == pytest.approx([1.0, 1.0, 2 * 0.1336], abs=2e-4)
-    assert omnibus([contestant("pso", "one", [2.0])], REFERENCES, "scaled") is None
+    assert omnibus([contestant("pso", "one", [2.0])], REFERENCES, Level.SCALED) is None
 
 
 def test_a_claim_against_its_opponent_by_hand():

@@ -6,7 +6,9 @@ import pytest
 
 from study.cases.library import load_case
 from study.comparison import tasks
-from study.comparison.audit import audited_searches, function_jobs, trajectory_jobs
+from study.comparison.audit import audited_searches
+from study.comparison.audit_functions import function_jobs
+from study.comparison.audit_trajectories import trajectory_jobs
 from study.comparison.build import trial_jobs
 from study.comparison.effort import QUICK
 from study.comparison.trials import TOGETHER, Trial, TrialJob, TrialOutcome, repeated

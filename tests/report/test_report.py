@@ -15,11 +15,12 @@ import pyarrow.parquet as pq
 import pytest
 
 from study.analysis.case_summary import summarise, summarise_case
+from study.analysis.tables import raw
 from study.cases.library import Case, load_case
 from study.errors import StudyError
 from study.problem import JointLimits, Problem
 from study.report.page import STANDINGS, build_report
-from study.report.tables import COLUMNS, raw
+from study.report.tables import COLUMNS
 from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
 from study.store.results import Result

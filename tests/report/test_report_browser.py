@@ -23,6 +23,8 @@ from study.comparison.pages import write_pages
 from study.report.page import STANDINGS, build_report
 from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
+from study.runs.runner import run_jobs
+from study.store.store import Store
 from tests.helpers.comparisons import TINY
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -108,7 +110,8 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     cells += make_cells([other], [Spec("pso", "scaled", "shared"), Spec("centre")], Budget(seeds=1, evaluations=60))
     results = [CellJob(cell, cases[cell.case].problem).run() for cell in cells]
     out = tmp_path_factory.mktemp("out")
-    found = compare({case.name: case}, TINY, out / "results.sqlite", jobs=1)
+    with Store(out / "results.sqlite") as store:
+        found = compare({case.name: case}, TINY, store, lambda part, jobs: run_jobs(jobs, store, workers=1))
     write_pages(found, out / "report" / "comparison", {"Python": "3.x"})
     return build_report(summarise(cases, results), out / "report", {"Python": "3.x"}).parent
 
