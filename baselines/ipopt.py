@@ -16,7 +16,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from study.deadline import noted
+from study.deadline import record_cut
 from study.problem import Floats
 
 __all__ = ["Ipopt", "Solution", "alone", "ca"]
@@ -89,7 +89,8 @@ class Ipopt:
             answer, stats = self._solver(**numbers), self._solver.stats()
             x, *multipliers = (np.array(answer[name], dtype=float).ravel() for name in ("x", "lam_x", "lam_g"))
             del answer
-        noted(stats["return_status"] == OUT_OF_TIME)
+        if stats["return_status"] == OUT_OF_TIME:
+            record_cut()
         warm = dict(zip(("lam_x0", "lam_g0"), multipliers, strict=True))
         return Solution(x, warm, bool(stats["success"]), str(stats["return_status"]), int(stats["iter_count"]))
 

@@ -54,18 +54,20 @@ class Deadline:
 
     def passed(self) -> bool:
         """Whether it is too late; if so, whoever watches the planner learns of it, however deep inside it asked."""
-        return noted(time.monotonic() >= self.instant)
+        late = time.monotonic() >= self.instant
+        if late:
+            record_cut()
+        return late
 
 
 NEVER = Deadline(float("inf"))
 
 
-def noted(late: bool) -> bool:
-    """Return whether it is too late, as a solver with a clock of its own may say, and record it if so."""
+def record_cut() -> None:
+    """Record that a time limit cut the planner short, as a solver with a clock of its own may say."""
     record = _record.get()
-    if late and record is not None:
+    if record is not None:
         record.reached = True
-    return late
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""The linear program behind `baselines.bounds.lower_bounds`: the best weights of the joints for the chains of cells found so far."""
+"""Linear program for the best weights of the joints, given the chains of cells so far; see `baselines.bounds.lower_bounds`."""
 
 from __future__ import annotations
 

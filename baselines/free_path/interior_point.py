@@ -21,7 +21,6 @@ A. Waechter and L. Biegler, On the implementation of an interior-point filter li
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
@@ -35,7 +34,7 @@ from baselines.free_path.newton import Damping, Frame, Gradient, Newton, gradien
 from baselines.free_path.pieces import Bounds, Pieces, Point, pieces_at
 from baselines.free_path.rows import Rows
 from baselines.free_path.shared_system import layout_of
-from study.deadline import noted
+from study.deadline import NEVER, Deadline
 from study.problem import Floats
 
 PATIENCE = 1e-3
@@ -73,8 +72,7 @@ class Goal:
     error : float
         What may be left of the optimality conditions and equations.
     iterations : int
-    deadline : float, s
-        On the clock of `time.monotonic`.
+    deadline : Deadline
     centring : float
         Share of the complementarity that a step keeps at least.
     level : float
@@ -86,7 +84,7 @@ class Goal:
     barrier: float = 1e-9
     error: float = 1e-7
     iterations: int = 150
-    deadline: float = np.inf
+    deadline: Deadline = NEVER
     centring: float = 0.0
     level: float = 0.0
     damping: float = 1e-5
@@ -159,7 +157,7 @@ def solve(frame: Frame, state: State, goal: Goal) -> Outcome:
             return run.outcome(Ending.CONVERGED, iteration)
         if run.level(goal):
             return run.outcome(Ending.LEVEL, iteration)
-        if noted(time.monotonic() > goal.deadline):
+        if goal.deadline.passed():
             return run.outcome(Ending.LATE, iteration)
         if not run.advance(goal):
             return run.outcome(Ending.STUCK, iteration)

@@ -20,6 +20,7 @@ from baselines.free_path.pieces import Point
 from baselines.free_path.question import Flags, FreePathProblem
 from baselines.free_path.realise import closed, leaves_range, realise, stretch
 from baselines.free_path.start import graded, spline_start
+from study.deadline import NEVER, Deadline
 from study.trajectory import Trajectory
 
 ROUNDS = 6
@@ -63,7 +64,7 @@ class Answer:
     stretch: float
 
 
-def free_path(question: FreePathProblem, pieces: int | None = None, deadline: float = np.inf) -> Answer:
+def free_path(question: FreePathProblem, pieces: int | None = None, deadline: Deadline = NEVER) -> Answer:
     """Find a fastest motion.
 
     Parameters
@@ -72,8 +73,7 @@ def free_path(question: FreePathProblem, pieces: int | None = None, deadline: fl
         At least one joint moves and has a limit.
     pieces : int, optional
         Pieces per segment and joint, K, at least 3; by default `usual_pieces`.
-    deadline : float, s
-        On the clock of `time.monotonic`.
+    deadline : Deadline
     """
     begin: Point | None = None
     if pieces is None:
@@ -91,9 +91,9 @@ def free_path(question: FreePathProblem, pieces: int | None = None, deadline: fl
 
 
 def _first_phase(
-    question: FreePathProblem, pieces: int, held: Flags, begin: Point | None, deadline: float
+    question: FreePathProblem, pieces: int, held: Flags, begin: Point | None, deadline: Deadline
 ) -> tuple[Model, Outcome]:
-    """Solve with graded widths, and hold the range of positions, noted in `held`, where the motion leaves it.
+    """Solve with graded widths, and hold the range of positions, recorded in `held`, where the motion leaves it.
 
     The way around the end of a range is usually near the way through it, so the last motion is where to begin.
     """
@@ -111,7 +111,7 @@ def _first_phase(
         begin = outcome.state.point
 
 
-def _graded_from(model: Model, begin: Point | None, deadline: float) -> Outcome:
+def _graded_from(model: Model, begin: Point | None, deadline: Deadline) -> Outcome:
     """Solve with graded widths from a motion, or from a spline."""
     shares = graded(model)
     point = spline_start(model, shares) if begin is None else begin
@@ -120,7 +120,7 @@ def _graded_from(model: Model, begin: Point | None, deadline: float) -> Outcome:
     return solve(frame, started(frame, point, 0.1), _goals(deadline)[0])
 
 
-def usual_pieces(question: FreePathProblem, deadline: float = np.inf) -> tuple[int, Point | None]:
+def usual_pieces(question: FreePathProblem, deadline: Deadline = NEVER) -> tuple[int, Point | None]:
     """Choose the number of pieces per segment, with a motion to begin with where there is one.
 
     Waypoints in close order along a smooth path are passed in a small part of the time from stop to stop. There acceleration
@@ -136,7 +136,7 @@ def usual_pieces(question: FreePathProblem, deadline: float = np.inf) -> tuple[i
     return USUAL if question.n_segments < MANY else MIDDLING, None
 
 
-def _goals(deadline: float) -> tuple[Goal, Goal, Goal]:
+def _goals(deadline: Deadline) -> tuple[Goal, Goal, Goal]:
     """What each phase must reach."""
     return (
         Goal(barrier=1e-4, error=1e-2, iterations=100, deadline=deadline),
@@ -152,7 +152,7 @@ def _with_neighbours(flags: Flags) -> Flags:
     return wide
 
 
-def _freed(model: Model, first: Outcome, deadline: float) -> Outcome:
+def _freed(model: Model, first: Outcome, deadline: Deadline) -> Outcome:
     """Free the widths, then fix them where they came to be."""
     _, freeing, finishing = _goals(deadline)
     frame = frame_of(model, True, first.state.point.widths)

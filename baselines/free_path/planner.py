@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from typing import ClassVar
 
 from baselines.free_path.interior_point import Ending
 from baselines.free_path.phases import FEWEST, free_path
 from baselines.free_path.question import of
+from study.deadline import Deadline
 from study.demands import Demand
 from study.errors import StudyError
 from study.judge import judge
@@ -57,7 +57,7 @@ class FreePathPlanner:
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Plan within the settings' time limit; the motion so far where that is not enough."""
-        deadline = time.monotonic() + settings.time_limit
+        deadline = Deadline.after(settings.time_limit)
         question = of(problem)
         if not question.kinds.any():
             return Plan(Status.NOT_APPLICABLE, message="no joint with a limit moves, so there is no shortest time")

@@ -22,7 +22,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from baselines.ipopt import ca
-from baselines.segment_times.critical_points import Critical, Slots, bends_of, is_root
+from baselines.segment_times.critical_points import Critical, Slots, corrections_of, is_root
 from baselines.segment_times.model import Rows
 from baselines.segment_times.polynomial_curves import shortest_of, slot_symbols, slot_values, stacked
 from study import polynomial
@@ -66,7 +66,7 @@ class BSpline:
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """What the model depends on."""
+        """Everything that the model depends on."""
         return ("bspline", self.n_waypoints, self.orders)
 
     @property
@@ -82,10 +82,10 @@ class BSpline:
         windows = (steps[:-2], steps[1:-1], steps[2:])
         rows, p = [(windows[0] + 4 * windows[1] + windows[2]) / 6], stacked(u)
         for order, symbols in u.items():
-            for k, (point, bend) in enumerate(symbols):
+            for k, (point, correction) in enumerate(symbols):
                 path = [ca.SX.sym(f"q{order}_{k}_{i}", n) for i in range(3)]
-                height, slope = spare(path, time_rates(windows, point), order)
-                rows.append(height - bend * slope**2)
+                height, slope = slack(path, time_rates(windows, point), order)
+                rows.append(height - correction * slope**2)
                 p += path
         return Rows(e, ca.vertcat(*p), ca.sum1(rows[0]), ca.vertcat(*rows), equal=0)
 
@@ -102,14 +102,14 @@ class BSpline:
         return np.full(self.n_waypoints - 1, -np.inf), np.full(self.n_waypoints - 1, np.inf)
 
     def row_bounds(self, problem: Problem, slots: dict[int, Slots]) -> tuple[Floats, Floats]:
-        """Shortest durations; nothing to spare in the others is the limit."""
+        """Shortest durations; no slack in the others is the limit."""
         durations = np.full(self.n_waypoints - 1, shortest_of(problem))
         others = [np.where(slot.used[:, 0], 0.0, -np.inf).ravel(order="F") for slot in slots.values()]
         lower = np.concatenate([durations, *others])
         return lower, np.full(lower.size, np.inf)
 
     def parameters(self, problem: Problem, slots: dict[int, Slots]) -> Floats:
-        """Points and bends, then for every slot what the path is there, over the limit and with the peak's sign."""
+        """Points and corrections, then for every slot the path's derivatives there, over the limit, with the peak's sign."""
         values = slot_values(slots)
         coefficients = np.moveaxis(bspline.unit_coefficients(problem.waypoints), 1, 2)
         for order, slot in slots.items():
@@ -137,9 +137,9 @@ class BSpline:
         numerator, denominator = rational_rate(time, position, order)
         seconds = [polynomial.derivative(polynomial.derivative(a))[..., None, :] for a in (numerator, denominator)]
         over, under = (polynomial.value(a, points) for a in seconds)
-        curvature = over * np.sign(ratios) - under  # of what is *not* to spare, so that it is negative at a peak
+        curvature = over * np.sign(ratios) - under  # of the negative slack, so that it is negative at a peak
         level = is_root(rational_rate(time, position, order + 1)[0], points)
-        return Critical(points, ratios, -bends_of(curvature, level, np.abs(ratios), points))
+        return Critical(points, ratios, -corrections_of(curvature, level, np.abs(ratios), points))
 
 
 def time_rates(windows: tuple[Any, Any, Any], u: Any) -> tuple[Any, Any, Any]:
@@ -149,8 +149,8 @@ def time_rates(windows: tuple[Any, Any, Any], u: Any) -> tuple[Any, Any, Any]:
     return first, -low * (1 - u) + middle * (1 - 2 * u) + high * u, low - 2 * middle + high
 
 
-def spare(path: list[Any], time: tuple[Any, Any, Any], order: int) -> tuple[Any, Any]:
-    """What a limit leaves to spare at a point, R, and its derivative by u.
+def slack(path: list[Any], time: tuple[Any, Any, Any], order: int) -> tuple[Any, Any]:
+    """Slack of a limit at a point, R, and its derivative by u.
 
     With N = q''t' - q't'': R = t' - q', t'^3 - N, t'^5 - (N't' - 3Nt''), the path taken over its limit. A peak that reaches
     its limit is where R = R' = 0.
@@ -161,8 +161,8 @@ def spare(path: list[Any], time: tuple[Any, Any, Any], order: int) -> tuple[Any,
     numerator, slope = q2 * t1 - q1 * t2, q3 * t1 - q1 * t3
     if order == 2:
         return t1**3 - numerator, 3 * t1**2 * t2 - slope
-    bend = q3 * t2 - q2 * t3
-    jerk, turn = slope * t1 - 3 * numerator * t2, bend * t1 - 2 * slope * t2 - 3 * numerator * t3
+    twist = q3 * t2 - q2 * t3
+    jerk, turn = slope * t1 - 3 * numerator * t2, twist * t1 - 2 * slope * t2 - 3 * numerator * t3
     return t1**5 - jerk, 5 * t1**4 * t2 - turn
 
 

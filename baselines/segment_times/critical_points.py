@@ -1,9 +1,9 @@
-"""Where the rates of a motion peak, piece by piece, and the finite sets of points at which an NLP holds the limits.
+"""Peaks of the rates of a motion, piece by piece, and the finite sets of points at which an NLP holds the limits.
 
 A limit |r(u)| <= 1 over a whole piece is held at points u_k. A plain point only cuts: where an optimum rests on a peak that
-moves with the durations, points alone close in on it slowly, as cutting planes do. So a peak also carries its bend
-kappa = 1/(2 r''(u_k)), and the row reads r(u_k) - kappa r'(u_k)^2: the height of the peak to second order in its shift, which
-is the first and second derivative of the peak value itself where r'(u_k) = 0.
+moves with the durations, points alone close in on it slowly, as cutting planes do. So a peak also carries a
+curvature correction kappa = 1/(2 r''(u_k)), and the row reads r(u_k) - kappa r'(u_k)^2: the height of the peak to second
+order in its shift, which is the first and second derivative of the peak value itself where r'(u_k) = 0.
 """
 
 from __future__ import annotations
@@ -36,17 +36,17 @@ class Critical:
         Fractions of the piece in [0, 1].
     ratios : array
         Rate over its limit, with its sign.
-    bends : array
+    corrections : array
         kappa of a peak inside its piece, else 0.
     """
 
     points: Floats
     ratios: Floats
-    bends: Floats
+    corrections: Floats
 
 
-def bends_of(curvature: Floats, level: Mask, ratios: Floats, points: Floats) -> Floats:
-    """Bend of every peak inside its piece that is level and whose curvature is clear enough to divide by."""
+def corrections_of(curvature: Floats, level: Mask, ratios: Floats, points: Floats) -> Floats:
+    """Curvature correction of every peak inside its piece that is level and whose curvature is clear enough to divide by."""
     inside = (points > INTERIOR) & (points < 1 - INTERIOR)
     peaked = inside & level & (-curvature * np.sign(ratios) > 1e-2 * np.abs(ratios))
     return np.divide(0.5, curvature, out=np.zeros_like(curvature), where=peaked)
@@ -71,7 +71,7 @@ def polynomial_critical(problem: Problem, motion: Trajectory, order: int, pieces
     points = np.concatenate([edge, critical, edge + 1.0], axis=-1)
     ratios = polynomial.value(rate[..., None, :], points)
     curvature = polynomial.value(polynomial.derivative(slope)[..., None, :], points)
-    return Critical(points, ratios, bends_of(curvature, is_root(slope, points), ratios, points))
+    return Critical(points, ratios, corrections_of(curvature, is_root(slope, points), ratios, points))
 
 
 class Slots:
@@ -88,7 +88,7 @@ class Slots:
     def __init__(self, shape: tuple[int, int, int], *, pooled: bool = False) -> None:
         self.pooled = pooled
         self.points = np.full(shape, np.nan)
-        self.bends = np.zeros(shape)
+        self.corrections = np.zeros(shape)
         self.signs = np.ones(shape)
         self.joints = np.zeros(shape, dtype=int)
         self._met = np.zeros(shape)
@@ -108,14 +108,14 @@ class Slots:
         self.points[:, :, : len(points)] = points
         self._met[:, :, : len(points)] = np.inf
 
-    def refresh(self, critical: Critical, threshold: float, bent: bool) -> None:
+    def refresh(self, critical: Critical, threshold: float, corrected: bool) -> None:
         """Take in every point whose ratio exceeds a threshold, highest first, in the place of the point it has moved from.
 
-        Points that are not met again lose their bend and stay as plain cuts.
+        Points that are not met again lose their correction and stay as plain cuts.
         """
         self._rounds += 1
-        reach = np.where(self.bends != 0, NEAR, INTERIOR)
-        self.bends = np.zeros_like(self.bends)
+        reach = np.where(self.corrections != 0, NEAR, INTERIOR)
+        self.corrections = np.zeros_like(self.corrections)
         height = np.abs(critical.ratios)
         chosen = np.argwhere(height > threshold)
         ranked = chosen[np.argsort(-height[tuple(chosen.T)], kind="stable")]
@@ -129,7 +129,7 @@ class Slots:
             fresh.add((piece, column, slot))
             where = piece, column, slot
             self.points[where], self.joints[where], self.signs[where] = point, joint, sign
-            self.bends[where] = critical.bends[piece, joint, k] if bent else 0.0
+            self.corrections[where] = critical.corrections[piece, joint, k] if corrected else 0.0
             self._met[where] = max(self._met[where], self._rounds)
 
     def _place(self, row: tuple[int, int], point: float, joint: int, sign: float, reach: Floats) -> int:

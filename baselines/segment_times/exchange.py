@@ -74,12 +74,12 @@ class Exchange:
         self.model = model_of(family, time_limit)
         self.slots = {order: Slots(shape, pooled=family.pooled) for order, shape in family.slot_shapes.items()}
 
-    def offer(self, x: Floats, threshold: float = WATCHED, bent: bool = True) -> float:
+    def offer(self, x: Floats, threshold: float = WATCHED, corrected: bool = True) -> float:
         """Put the peaks that come near their limits into the slots; return the stretch that the highest needs."""
         needed = 0.0
         for order, slot in self.slots.items():
             critical = self.family.critical(self.problem, x, order)
-            slot.refresh(critical, threshold, bent)
+            slot.refresh(critical, threshold, corrected)
             needed = max(needed, float(np.abs(critical.ratios).max()) ** (1 / order))
         return needed
 
@@ -90,7 +90,7 @@ class Exchange:
     def run_from(self, x: Floats) -> Optimum:
         """Run the exchange from given variables until no limit breaks and the total stands still."""
         multipliers: dict[str, Floats] = {}
-        self.offer(x, threshold=FIRST, bent=False)
+        self.offer(x, threshold=FIRST, corrected=False)
         best = Optimum(x, np.inf, np.inf, "the solver did not run", 0, 0, 0)
         for _ in range(MAX_ROUNDS):
             if self.deadline.passed():

@@ -36,7 +36,7 @@ class Family(Protocol):
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """What the model depends on."""
+        """Everything that the model depends on."""
 
     @property
     def pooled(self) -> bool:

@@ -63,7 +63,7 @@ def family_of(curve: str, problem: Problem) -> Family:
     if curve == "poly353":
         if n != 4:
             raise StudyError(f"the 3-5-3 curve needs exactly 4 waypoints, got {n}; use cubic-spline instead")
-        return Poly353(joints, orders)
+        return Poly353(n, joints, orders)
     if curve == "cubic-spline":
         return CubicSpline(n, joints, orders)
     if curve == "cubic-spline-smooth":

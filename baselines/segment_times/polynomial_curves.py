@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -67,14 +67,14 @@ def rate_rows(coefficients: list[Any], h: Any, weight: Any, order: int, points: 
     rate = [c * scale for c in coefficients]
     slope = [k * c for k, c in enumerate(rate)][1:]
     columns = []
-    for u, bend in points:
-        height = horner(rate, u) - (bend * horner(slope, u) ** 2 if slope else 0)
+    for u, correction in points:
+        height = horner(rate, u) - (correction * horner(slope, u) ** 2 if slope else 0)
         columns.append(ca.vec(height))
     return columns
 
 
 def slot_symbols(shapes: dict[int, tuple[int, int, int]]) -> dict[int, list[Symbols]]:
-    """Points and bends of each slot of each order."""
+    """Points and corrections of each slot of each order."""
     return {
         order: [tuple(ca.SX.sym(f"{name}{order}_{k}", pieces, columns) for name in "ub") for k in range(count)]
         for order, (pieces, columns, count) in shapes.items()
@@ -87,12 +87,12 @@ def stacked(symbols: dict[int, list[Symbols]]) -> list[Any]:
 
 
 def slot_values(slots: dict[int, Slots]) -> list[Floats]:
-    """Points and bends in the order of `stacked`."""
+    """Points and corrections in the order of `stacked`."""
     return [
         flat(values[:, :, k])
         for slot in slots.values()
         for k in range(slot.points.shape[2])
-        for values in (slot.filled(), slot.bends)
+        for values in (slot.filled(), slot.corrections)
     ]
 
 
@@ -105,28 +105,49 @@ def slot_bounds(slots: dict[int, Slots], rates: Floats) -> list[Floats]:
     ]
 
 
-def problem_values(problem: Problem, slots: dict[int, Slots]) -> Floats:
-    """Parameters of a model: steps, one over every limit, and the slots' points and bends."""
-    steps = np.diff(problem.waypoints, axis=0)
-    return np.concatenate([flat(steps), flat(1 / problem.limits.rates), *slot_values(slots)])
-
-
 @dataclass(frozen=True)
-class Poly353:
-    """Cubic-quintic-cubic: three durations, nothing else.
+class PolynomialFamily:
+    """Steps that families polynomial in time share; durations come first among their variables.
 
-    The two cubics peak at closed forms, 3 d/t, 6 d/t^2 and 6 d/t^3, so their limits are lower bounds on the first and last
-    duration; only the quintic needs points.
+    Parameters
+    ----------
+    n_waypoints, n_joints : int
+    orders : tuple of int
+        Limited derivatives, 1 to 3.
     """
 
+    n_waypoints: int
     n_joints: int
     orders: tuple[int, ...]
     pooled: ClassVar[bool] = False
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """What the model depends on."""
-        return ("poly353", self.n_joints, self.orders)
+        """Everything that the model depends on."""
+        return (type(self).__name__, *astuple(self))
+
+    def durations(self, x: Floats) -> Floats:
+        """Durations of given variables."""
+        return x[: self.n_waypoints - 1]
+
+    def row_bounds(self, problem: Problem, slots: dict[int, Slots]) -> tuple[Floats, Floats]:
+        """Every row in [-1, 1]."""
+        upper = np.concatenate(slot_bounds(slots, problem.limits.rates))
+        return -upper, upper
+
+    def parameters(self, problem: Problem, slots: dict[int, Slots]) -> Floats:
+        """Steps, one over every limit, and the slots' points and corrections."""
+        steps = np.diff(problem.waypoints, axis=0)
+        return np.concatenate([flat(steps), flat(1 / problem.limits.rates), *slot_values(slots)])
+
+
+@dataclass(frozen=True)
+class Poly353(PolynomialFamily):
+    """Cubic-quintic-cubic: three durations, nothing else.
+
+    The two cubics peak at closed forms, 3 d/t, 6 d/t^2 and 6 d/t^3, so their limits are lower bounds on the first and last
+    duration; only the quintic needs points.
+    """
 
     @property
     def slot_shapes(self) -> dict[int, tuple[int, int, int]]:
@@ -149,12 +170,8 @@ class Poly353:
         return Rows(h, p, ca.sum1(h), ca.vertcat(*rows), equal=0)
 
     def lift(self, problem: Problem, durations: Floats) -> Floats:
-        """Variables of given durations."""
+        """Variables of given durations: the durations."""
         return durations
-
-    def durations(self, x: Floats) -> Floats:
-        """Durations of given variables."""
-        return x
 
     def motion(self, problem: Problem, x: Floats) -> Trajectory:
         """Motion of given variables."""
@@ -167,22 +184,13 @@ class Poly353:
         first, last = (needed ** (1 / np.arange(1, 4))).max(axis=1)
         return np.maximum([first, 0.0, last], shortest_of(problem)), np.full(3, np.inf)
 
-    def row_bounds(self, problem: Problem, slots: dict[int, Slots]) -> tuple[Floats, Floats]:
-        """Every row in [-1, 1]."""
-        upper = np.concatenate(slot_bounds(slots, problem.limits.rates))
-        return -upper, upper
-
-    def parameters(self, problem: Problem, slots: dict[int, Slots]) -> Floats:
-        """Steps, weights and points."""
-        return problem_values(problem, slots)
-
     def critical(self, problem: Problem, x: Floats, order: int) -> Critical:
         """Critical points of the quintic."""
         return polynomial_critical(problem, self.motion(problem, x), order, slice(1, 2))
 
 
 @dataclass(frozen=True)
-class CubicSpline:
+class CubicSpline(PolynomialFamily):
     """Cubic splines: durations and the accelerations at the knots, tied by the spline's tridiagonal equations.
 
     Acceleration is linear between knots, so its limits are bounds on variables; jerk is constant on every piece; only
@@ -190,16 +198,7 @@ class CubicSpline:
     the positions of the two knots in between.
     """
 
-    n_waypoints: int
-    n_joints: int
-    orders: tuple[int, ...]
     smooth: bool = False
-    pooled: ClassVar[bool] = False
-
-    @property
-    def key(self) -> tuple[Any, ...]:
-        """What the model depends on."""
-        return ("cubic-spline", self.smooth, self.n_waypoints, self.n_joints, self.orders)
 
     @property
     def n_pieces(self) -> int:
@@ -249,10 +248,6 @@ class CubicSpline:
             m = cubic_spline.accelerations(problem.waypoints, durations[None])[0]
         return np.concatenate([durations, flat(m)])
 
-    def durations(self, x: Floats) -> Floats:
-        """Durations of given variables."""
-        return x[: self.n_waypoints - 1]
-
     def motion(self, problem: Problem, x: Floats) -> Trajectory:
         """Motion of the durations; the accelerations follow from them."""
         name = "cubic-spline-smooth" if self.smooth else "cubic-spline"
@@ -272,10 +267,6 @@ class CubicSpline:
             upper.append(flat(np.broadcast_to(finite, (self.n_pieces, self.n_joints))))
         upper += slot_bounds(slots, problem.limits.rates)
         return -np.concatenate(upper), np.concatenate(upper)
-
-    def parameters(self, problem: Problem, slots: dict[int, Slots]) -> Floats:
-        """Steps, weights and points."""
-        return problem_values(problem, slots)
 
     def critical(self, problem: Problem, x: Floats, order: int) -> Critical:
         """Critical points of every piece."""

@@ -7,19 +7,17 @@ Only their end conditions matter: a clamped spline has an acceleration at its en
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
 
 import numpy as np
 
 from baselines.ipopt import ca
-from baselines.segment_times.critical_points import Critical, Slots, polynomial_critical
+from baselines.segment_times.critical_points import Critical, polynomial_critical
 from baselines.segment_times.model import Rows
 from baselines.segment_times.polynomial_curves import (
+    PolynomialFamily,
     flat,
-    problem_values,
     rate_rows,
     shortest_of,
-    slot_bounds,
     slot_symbols,
     stacked,
 )
@@ -33,25 +31,15 @@ FIRST_POINTS = {1: (0.25, 0.5, 0.75), 2: (1 / 3, 2 / 3), 3: (0.0, 0.5, 1.0)}
 
 
 PULL = 1e-4
-"""Weight on the distance to the last round's rates: joints with time to spare would wander, and break limits elsewhere.
+"""Weight on the distance to the last round's rates: joints with slack would wander, and break limits elsewhere.
 
 The pull is towards the round before, so it is nothing where the rounds have come to rest.
 """
 
 
 @dataclass(frozen=True)
-class Quintic:
+class Quintic(PolynomialFamily):
     """Durations, and velocity and acceleration of every joint at every waypoint; those limits are bounds there."""
-
-    n_waypoints: int
-    n_joints: int
-    orders: tuple[int, ...]
-    pooled: ClassVar[bool] = False
-
-    @property
-    def key(self) -> tuple[Any, ...]:
-        """What the model depends on."""
-        return ("quintic", self.n_waypoints, self.n_joints, self.orders)
 
     @property
     def slot_shapes(self) -> dict[int, tuple[int, int, int]]:
@@ -64,8 +52,8 @@ class Quintic:
         h, v, a = ca.SX.sym("h", n), ca.SX.sym("v", n + 1, joints), ca.SX.sym("a", n + 1, joints)
         d, weights, u = ca.SX.sym("d", n, joints), ca.SX.sym("w", 3, joints), slot_symbols(self.slot_shapes)
         wide = ca.repmat(h, 1, joints)
-        speeds, bends = (v[:-1, :] * wide, v[1:, :] * wide), (a[:-1, :] * wide**2, a[1:, :] * wide**2)
-        pieces = [0, *polynomial.hermite_quintic(d, *speeds, *bends)]
+        speeds, pushes = (v[:-1, :] * wide, v[1:, :] * wide), (a[:-1, :] * wide**2, a[1:, :] * wide**2)
+        pieces = [0, *polynomial.hermite_quintic(d, *speeds, *pushes)]
         rows = [r for k in self.orders for r in rate_rows(pieces, h, weights[k - 1, :], k, u[k])]
         x = ca.vertcat(h, ca.vec(v), ca.vec(a))
         start = ca.SX.sym("start", *x.shape)
@@ -85,16 +73,12 @@ class Quintic:
         rates[held, 0] = rates[held, -1] = 0.0
         return np.concatenate([np.diff(times), flat(rates[0]), flat(rates[1])])
 
-    def durations(self, x: Floats) -> Floats:
-        """Durations of given variables."""
-        return x[: self.n_waypoints - 1]
-
     def motion(self, problem: Problem, x: Floats) -> Trajectory:
         """Motion of given variables."""
         n, h = self.n_waypoints, self.durations(x)
-        speed, bend = np.moveaxis(x[n - 1 :].reshape(2, self.n_joints, n), 2, 1)
-        speeds, bends = ([rate[:-1] * w, rate[1:] * w] for rate, w in ((speed, h[:, None]), (bend, h[:, None] ** 2)))
-        quintic = polynomial.hermite_quintic(np.diff(problem.waypoints, axis=0), *speeds, *bends)
+        speed, push = np.moveaxis(x[n - 1 :].reshape(2, self.n_joints, n), 2, 1)
+        speeds, pushes = ([rate[:-1] * w, rate[1:] * w] for rate, w in ((speed, h[:, None]), (push, h[:, None] ** 2)))
+        quintic = polynomial.hermite_quintic(np.diff(problem.waypoints, axis=0), *speeds, *pushes)
         unit = np.stack([problem.waypoints[:-1], *quintic], axis=1)
         return Trajectory.from_pieces(h, unit / (h[:, None] ** np.arange(6))[:, :, None])
 
@@ -106,15 +90,6 @@ class Quintic:
         lower = np.full(self.n_waypoints - 1, shortest_of(problem))
         rates = np.concatenate([flat(peaks[0]), flat(peaks[1])])
         return np.concatenate([lower, -rates]), np.concatenate([np.full_like(lower, np.inf), rates])
-
-    def row_bounds(self, problem: Problem, slots: dict[int, Slots]) -> tuple[Floats, Floats]:
-        """Every row in [-1, 1]."""
-        upper = np.concatenate(slot_bounds(slots, problem.limits.rates))
-        return -upper, upper
-
-    def parameters(self, problem: Problem, slots: dict[int, Slots]) -> Floats:
-        """Steps, weights and points."""
-        return problem_values(problem, slots)
 
     def critical(self, problem: Problem, x: Floats, order: int) -> Critical:
         """Critical points of every segment."""

@@ -84,7 +84,7 @@ def linear_step(via: ViaStates, x: Floats, model: Model, radius: float) -> tuple
     x : array of shape (2, n_waypoints, n_joints)
         New variables, within the radius.
     total : float, s
-        What the model promises; infinite where the linear program fails.
+        Promised by the model; infinite where the linear program fails.
     """
     n_free, n_segments = int(via.free.sum()), len(model.times)
     start = x[via.free]

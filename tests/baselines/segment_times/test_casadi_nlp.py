@@ -166,13 +166,13 @@ def test_starts_are_feasible_and_the_first_ignores_the_seed() -> None:
 
 def test_slots_follow_a_peak_and_keep_what_is_not_met_again() -> None:
     slots = Slots((1, 1, 2))
-    slots.refresh(Critical(np.array([[[0.5]]]), np.array([[[1.2]]]), np.array([[[-0.1]]])), 0.9, bent=True)
-    slots.refresh(Critical(np.array([[[0.5 + NEAR / 2]]]), np.array([[[1.1]]]), np.array([[[-0.2]]])), 0.9, bent=True)
+    slots.refresh(Critical(np.array([[[0.5]]]), np.array([[[1.2]]]), np.array([[[-0.1]]])), 0.9, corrected=True)
+    slots.refresh(Critical(np.array([[[0.5 + NEAR / 2]]]), np.array([[[1.1]]]), np.array([[[-0.2]]])), 0.9, corrected=True)
     assert slots.points[0, 0, 0] == pytest.approx(0.5 + NEAR / 2)
     assert np.isnan(slots.points[0, 0, 1])
-    slots.refresh(Critical(np.array([[[0.0]]]), np.array([[[-1.1]]]), np.array([[[0.0]]])), 0.9, bent=True)
+    slots.refresh(Critical(np.array([[[0.0]]]), np.array([[[-1.1]]]), np.array([[[0.0]]])), 0.9, corrected=True)
     assert slots.points[0, 0].tolist() == pytest.approx([0.5 + NEAR / 2, 0.0])
-    assert slots.bends[0, 0].tolist() == [0.0, 0.0]
+    assert slots.corrections[0, 0].tolist() == [0.0, 0.0]
 
 
 def test_only_true_peaks_bend() -> None:
@@ -181,7 +181,7 @@ def test_only_true_peaks_bend() -> None:
         critical = polynomial_critical(WOODWORKING, motion, order)
         step = 1e-5
         starts_, widths = motion.knots[:-1, None, None], np.diff(motion.knots)[:, None, None]
-        for piece, joint, k in np.argwhere(critical.bends != 0):
+        for piece, joint, k in np.argwhere(critical.corrections != 0):
             at = critical.points[piece, joint, k] + np.array([-step, 0.0, step])
             rate = (
                 motion(starts_[piece, 0] + at * widths[piece, 0], order)[:, joint]
@@ -189,4 +189,4 @@ def test_only_true_peaks_bend() -> None:
             )
             assert rate[2] - rate[0] == pytest.approx(0.0, abs=1e-7)
             curvature = (rate[2] - 2 * rate[1] + rate[0]) / step**2
-            assert critical.bends[piece, joint, k] == pytest.approx(0.5 / curvature, rel=1e-3)
+            assert critical.corrections[piece, joint, k] == pytest.approx(0.5 / curvature, rel=1e-3)
