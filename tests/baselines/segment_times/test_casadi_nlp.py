@@ -167,7 +167,9 @@ def test_starts_are_feasible_and_the_first_ignores_the_seed() -> None:
 def test_slots_follow_a_peak_and_keep_what_is_not_met_again() -> None:
     slots = Slots((1, 1, 2))
     slots.refresh(Critical(np.array([[[0.5]]]), np.array([[[1.2]]]), np.array([[[-0.1]]])), 0.9, corrected=True)
-    slots.refresh(Critical(np.array([[[0.5 + NEAR / 2]]]), np.array([[[1.1]]]), np.array([[[-0.2]]])), 0.9, corrected=True)
+    slots.refresh(
+        Critical(np.array([[[0.5 + NEAR / 2]]]), np.array([[[1.1]]]), np.array([[[-0.2]]])), 0.9, corrected=True
+    )
     assert slots.points[0, 0, 0] == pytest.approx(0.5 + NEAR / 2)
     assert np.isnan(slots.points[0, 0, 1])
     slots.refresh(Critical(np.array([[[0.0]]]), np.array([[[-1.1]]]), np.array([[[0.0]]])), 0.9, corrected=True)
