@@ -7,7 +7,7 @@ from study.curves import CURVES
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import Plan, RunSettings, Status
-from study.problem import JointLimits, Problem
+from study.problem import EndCondition, JointLimits, Problem
 
 SETTINGS = RunSettings("cubic-spline")
 
@@ -28,7 +28,9 @@ class Told:
 
 def arm(trembling):
     waypoints = np.column_stack([[0.0, 1.0, 0.5], [2.0, 2.0 + trembling, 2.0]])
-    return Problem("arm", waypoints, JointLimits([1.0, 2.0], [3.0, 4.0], [5.0, 6.0], upper=[9.0, 9.0]))
+    return Problem(
+        "arm", waypoints, JointLimits([1.0, 2.0], [3.0, 4.0], [5.0, 6.0], upper=[9.0, 9.0]), EndCondition.REST
+    )
 
 
 @pytest.mark.parametrize("trembling", [1e-15, 9e-10])
