@@ -13,6 +13,9 @@ from study.errors import StudyError
 
 RATES = ("velocity", "acceleration", "jerk")
 
+LARGEST = 1e60
+"""Largest position or limit, and the inverse of the smallest limit, whose products double precision can hold."""
+
 OPTIONAL: Any = None
 """Default of a field that may be left out, and that the object fills in; `Any`, because the filled field is no `None`."""
 
@@ -82,6 +85,12 @@ class JointLimits:
                 )
             if least >= 0:
                 raise StudyError(f"min_{name} limit of joint {joint + 1} must be negative, got {least:g}")
+            for size in (value, -least):
+                if np.isfinite(size) and not 1 / LARGEST <= size <= LARGEST:
+                    raise StudyError(
+                        f"{name} limit of joint {joint + 1} must be between {1 / LARGEST:g} and {LARGEST:g}, got {size:g}; "
+                        "take other units"
+                    )
 
     @property
     def n_joints(self) -> int:

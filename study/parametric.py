@@ -74,6 +74,8 @@ class ParametricTrajectory:
 
     def __call__(self, t: ArrayLike, order: int = 0) -> Floats:
         """Position or its derivative of the given order, shape (n_times, n_joints); times are clipped to the motion."""
+        if order < 0:
+            raise StudyError(f"the order of a derivative must be 0 or more, got {order}")
         times = np.clip(np.atleast_1d(np.asarray(t, dtype=float)), 0.0, self.duration)
         piece = np.clip(np.searchsorted(self.knots, times, side="right") - 1, 0, len(self.time) - 1)
         u = self._parameters(times, piece)

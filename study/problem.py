@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from study.arrays import Floats, check_kinds, frozen_array, index_in, positive
 from study.demands import Demand
 from study.errors import StudyError
-from study.limits import OPTIONAL, JointLimits, usual_bounds
+from study.limits import LARGEST, OPTIONAL, JointLimits, usual_bounds
 from study.rules import EndCondition, PathRule, State, StraightPath, Timing, Tube, alone, radii
 from study.tolerances import TOLERANCE, floors
 
@@ -114,9 +114,11 @@ class Problem:
                 f"{self._where}: waypoints must have shape (n_waypoints >= 2, {n_joints}) to match the limits, "
                 f"got {points.shape}"
             )
-        if not np.isfinite(points).all():
-            row = int(np.argmax(~np.isfinite(points).all(axis=1)))
-            raise StudyError(f"{self._where}: waypoint {row + 1} holds an infinite value; give finite numbers")
+        if not (np.abs(points) <= LARGEST).all():
+            row = int(np.argmax(~(np.abs(points) <= LARGEST).all(axis=1)))
+            raise StudyError(
+                f"{self._where}: waypoint {row + 1} is infinite or too large; give numbers up to {LARGEST:g}"
+            )
         if not np.isfinite(self.limits.rates).any() and not self.allow_dwell:
             raise StudyError(
                 f"{self._where}: no joint has a finite limit, so there is no shortest time; give a velocity limit"
@@ -266,6 +268,8 @@ _KINDS: dict[str, tuple[type, ...]] = {
     "finish": (State, EndCondition, type(None)),
     "dwells": (Mapping, type(None)),
     "segment_limits": (Mapping, type(None)),
+    "stops": (Sequence, np.ndarray),
+    "joint_names": (Sequence, np.ndarray),
     "path": (StraightPath, Tube, type(None)),
     "timing": (Timing, type(None)),
 }

@@ -32,7 +32,7 @@ def near(gap):
 
 HARD = {
     "2 waypoints": Problem("p", walk(2, 3), limits(3)),
-    "2 waypoints, jerk": Problem("p", walk(2, 3), limits(3, jerk=30.0)),
+    "2 waypoints, jerk": Problem("p", walk(2, 3), limits(3, jerk=30.0), EndCondition.REST),
     "200 waypoints": Problem("p", walk(200, 2), limits(2)),
     "1 joint": Problem("p", walk(5, 1), limits(1)),
     "14 joints": Problem("p", walk(5, 14), limits(14)),
@@ -120,7 +120,7 @@ def problems(draw):
     rates = 10.0 ** np.array(draw(st.lists(st.floats(-2, 2), min_size=3 * n_joints, max_size=3 * n_joints)))
     rates = rates.reshape(3, n_joints)
     rates[draw(st.integers(1, 3)) :] = np.inf
-    return Problem("drawn", waypoints[keep], JointLimits(*rates))
+    return Problem("drawn", waypoints[keep], JointLimits(*rates), EndCondition.REST)
 
 
 INSTALLED = [name for name in planner_names() if name not in unavailable_planners()]
@@ -165,7 +165,9 @@ def test_some_random_problems_for_the_quick_planners():
         endure(Attempt(name, 0, k, 20.0)) for k in range(8) for name in ("casadi-nlp", "ruckig-stops", "toppra")
     ]
     assert not [o for o in outcomes if o.kind in (WRONG, CRASH)]
-    assert all(o.kind == FEASIBLE for o in outcomes if o.attempt.planner == "ruckig-stops")
+    stops = [o for o in outcomes if o.attempt.planner == "ruckig-stops"]
+    assert all(o.kind == FEASIBLE or "does not know" in o.sentence for o in stops)
+    assert sum(o.kind == FEASIBLE for o in stops) > len(stops) / 3
     assert all(o.sentence for o in outcomes if o.kind != FEASIBLE)
 
 

@@ -24,6 +24,7 @@ def test_a_missing_limit_is_infinite():
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
+        ({"velocity": [1.0, 5e-324]}, "velocity limit of joint 2 must be between 1e-60 and 1e.60, got 4.94066e-324"),
         ({"velocity": [1.0, 0.0]}, "velocity limit of joint 2 must be positive, got 0"),
         ({"acceleration": [-3.0, 1.0]}, "acceleration limit of joint 1 must be positive, got -3"),
         ({"jerk": [1.0]}, "jerk limits must have one number for each of 2 joints, got 1"),
@@ -42,7 +43,7 @@ def test_bad_limits_are_refused_with_one_sentence(changes, sentence):
     ("points", "sentence"),
     [
         ([[0, 0], [1, np.nan]], "not a number .NaN. at position 2, 2"),
-        ([[0, 0], [1, np.inf]], "waypoint 2 holds an infinite value"),
+        ([[0, 0], [1, np.inf]], "waypoint 2 is infinite or too large"),
         ([[0, 0], [1, 1], [1, 1]], "waypoints 2 and 3 are equal"),
         ([[0, 0]], "n_waypoints >= 2"),
         ([[0, 0, 0], [1, 1, 1]], r"must have shape \(n_waypoints >= 2, 2\) to match the limits, got \(2, 3\)"),
@@ -107,6 +108,9 @@ def test_scaled_limits():
         ({"joint_names": "ab"}, "2 joint names for 2 joints; give a list"),
         ({"waypoints": np.ma.masked_less(POINTS, 0.5)}, "waypoints holds a masked entry"),
         ({"waypoints": None}, "waypoints"),
+        ({"stops": 1}, "stops must be a Sequence or ndarray, got int"),
+        ({"joint_names": None}, "joint_names must be a Sequence"),
+        ({"waypoints": [[0, 0], [1e200, 1]]}, "waypoint 2 is infinite or too large; give numbers up to 1e\\+60"),
         ({"start": "rest"}, "start must be a State or EndCondition"),
         ({"start": State([1.0])}, "end velocity must have one number for each of 2 joints, got 1"),
         ({"finish": State([1.5, 0.0])}, "end velocity of joint 1, 1.5, is beyond its limit"),

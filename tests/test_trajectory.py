@@ -96,6 +96,13 @@ def test_parametric_equals_polynomial_when_time_is_linear():
     assert parametric.joints([1])(t)[:, 0] == pytest.approx(plain(t)[:, 1])
 
 
+@pytest.mark.parametrize("name", ["cubic-spline", "bspline"])
+def test_there_is_no_derivative_of_negative_order(name):
+    motion = CURVES[name].motion(np.random.default_rng(1).normal(size=(6, 2)), np.ones(5))
+    with pytest.raises(StudyError, match="must be 0 or more, got -1"):
+        motion(0.5, order=-1)
+
+
 def test_parametric_time_must_increase():
     with pytest.raises(StudyError, match="increase strictly"):
         ParametricTrajectory(np.array([[0.0, 1.0, -1.0]]), np.zeros((1, 4, 1)))
