@@ -161,9 +161,7 @@ COLUMNS: tuple[Column[AblationFinding], ...] = (
     IntervalColumn("difference", "", lambda finding: finding.difference),
     Column("", "Median difference (95 %)", _difference),
     Column(
-        "difference_unit",
-        "",
-        lambda finding: "share of the plain median" if finding.trajectory else "decades of error",
+        "difference_unit", "", lambda finding: "share of the plain median" if finding.trajectory else "decades of error"
     ),
     Column("signed_rank_p_holm", "Signed rank p", lambda finding: finding.p, p_value),
     Column("effect", "Effect", lambda finding: finding.effect),

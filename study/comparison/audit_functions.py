@@ -94,7 +94,7 @@ class FunctionFinding:
 
     @property
     def on_axes(self) -> bool:
-        """Whether the result depends on the directions of the axes."""
+        """True if the result depends on the directions of the axes."""
         return self.rotated > ALARM
 
 

@@ -22,10 +22,7 @@ from study.search.state import Search
 
 
 def trajectory_jobs(
-    searches: Mapping[str, Search[Any]],
-    cases: Iterable[Case],
-    effort: Effort,
-    formulations: Sequence[str],
+    searches: Mapping[str, Search[Any]], cases: Iterable[Case], effort: Effort, formulations: Sequence[str]
 ) -> list[TrialJob]:
     """List every search on every view of every case's durations, from every seed."""
     n, population = effort.trial_evaluations, effort.population
@@ -71,12 +68,12 @@ class TrajectoryFinding:
 
     @property
     def depends(self) -> bool:
-        """Whether the result depends on how the durations are written, significantly and by a large effect."""
+        """True if the result depends on how the durations are written, significantly and by a large effect."""
         return self.p < SIGNIFICANT and max(self.a12, 1.0 - self.a12) >= statistics.LARGE
 
     @property
     def flattered(self) -> bool:
-        """Whether it is better with the durations as they are."""
+        """True if it is better with the durations as they are."""
         return self.depends and self.a12 > 0.5
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from study.analysis.formatting import DASH, percent, seconds, wall
 from study.cases.library import Case
 from study.comparison.effort import Effort
-from study.comparison.tables import Column, Grid, PlannerColumn, duration_or, grid
+from study.comparison.tables import Column, Grid, PlannerColumn, grid
 from study.planners.other_searches import MinimiserPlanner
 from study.planning import Formulation, Freedom
 from study.problem import Floats
@@ -115,7 +115,7 @@ def level_cells(cases: Sequence[Case], level: Level, effort: Effort) -> list[Cel
 
 
 def needs_scaling(name: str) -> bool:
-    """Whether a planner takes the scaled formulation whatever it is asked for, and so stands in the tables of both levels."""
+    """Tell whether a planner always takes the scaled formulation, and so stands in the tables of both levels."""
     planner = planner_named(name)
     return isinstance(planner, MinimiserPlanner) and planner.formulation is Formulation.SCALED
 
@@ -228,6 +228,10 @@ def reference_grid(references: Mapping[str, Reference], flags: Mapping[str, str]
     )
 
 
+def _or_none(duration: float) -> str:
+    return seconds(duration) if np.isfinite(duration) else "no feasible motion"
+
+
 def solver_grid(solvers: Sequence[Contestant], references: Mapping[str, Reference]) -> Grid:
     """Duration and wall time of the solvers."""
 
@@ -238,7 +242,7 @@ def solver_grid(solvers: Sequence[Contestant], references: Mapping[str, Referenc
     columns: tuple[Column[Contestant], ...] = (
         Column("", "Case", lambda solver: solver.case),
         Column("", "Solver", lambda solver: solver.planner),
-        Column("", "Duration", lambda solver: solver.median, duration_or("no feasible motion")),
+        Column("", "Duration", lambda solver: solver.median, _or_none),
         Column("", "Against the best known", behind),
         Column("", "Wall", lambda solver: float(np.median(solver.wall)), wall),
     )

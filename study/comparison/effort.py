@@ -1,4 +1,4 @@
-"""How much the comparison may cost: quick by default, the papers' budgets and 30 repetitions in full."""
+"""Effort of the comparison: quick by default, the papers' budgets and 30 repetitions in full."""
 
 from __future__ import annotations
 

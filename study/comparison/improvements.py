@@ -89,10 +89,7 @@ ABLATIONS = (
         "SMWOA",
         "WOA",
         _switched(
-            _WHALES,
-            arctanh_a={"arctanh": True},
-            fitness_weight={"weighted": True},
-            oscillation={"oscillating": True},
+            _WHALES, arctanh_a={"arctanh": True}, fitness_weight={"weighted": True}, oscillation={"oscillating": True}
         ),
     ),
     Ablation(

@@ -11,14 +11,7 @@ from markupsafe import Markup
 from study.analysis.tables import Record, write_table
 from study.comparison import ablations, audit_functions, audit_trajectories, claims_shown, figures, ranking, targets
 from study.comparison.build import Comparison
-from study.comparison.contestants import (
-    LEVELS,
-    RUN_COLUMNS,
-    Level,
-    reference_grid,
-    runs_of,
-    solver_grid,
-)
+from study.comparison.contestants import LEVELS, RUN_COLUMNS, Level, reference_grid, runs_of, solver_grid
 from study.comparison.improvements import ABLATIONS
 from study.comparison.ioh import write_ioh
 from study.comparison.overview import limitations, summary

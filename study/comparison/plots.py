@@ -8,18 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Mark:
-    """A point of a row.
-
-    Attributes
-    ----------
-    row : str
-    x : float
-    shape : str
-        Marker of matplotlib.
-    filled : bool
-    offset : float
-        Place below the middle of the row, in rows.
-    """
+    """A mark in a row: place on the axis, marker of matplotlib, and offset below the middle of the row, in rows."""
 
     row: str
     x: float
@@ -38,17 +27,10 @@ class Marks:
         Beginning of the identifiers in the page.
     title, description : str
         For readers who do not see the figure.
-    marks : sequence of Mark
     label : str
-        Of the horizontal axis.
-    heading : str
-    line : float, optional
-        Place of the bold vertical line.
-    edges : tuple of float
-        Places of the thin vertical lines.
-    logarithmic : bool
-    span : tuple of float, optional
-        Ends of the horizontal axis.
+        Of the horizontal axis, whose ends are `span` where they are given.
+    line, edges : float, tuple of float
+        Places of the solid and the dashed vertical lines.
     """
 
     key: str

@@ -98,7 +98,7 @@ class Interval:
 
     @property
     def excludes_zero(self) -> bool:
-        """Whether zero lies outside."""
+        """True if zero lies outside."""
         return self.lower > 0.0 or self.upper < 0.0
 
 

@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from markupsafe import Markup, escape
 
-from study.analysis.formatting import DASH, percent, seconds
+from study.analysis.formatting import DASH, percent
 from study.analysis.tables import Record, Value
 from study.comparison.statistics import Interval
 from study.runs.selections import YARDSTICKS
@@ -121,11 +121,6 @@ def p_value(p: float) -> str:
 def probability(a12: float) -> str:
     """Write an effect size A12."""
     return f"{a12:.2f}"
-
-
-def duration_or(absent: str) -> Callable[[float], str]:
-    """Form of a duration, with a word where there is none."""
-    return lambda value: seconds(value) if math.isfinite(value) else absent
 
 
 def interval_text(interval: Interval | None) -> str:

@@ -1,4 +1,4 @@
-"""What the audit and the ablations minimise: benchmark functions and trajectory problems, each seen in several ways.
+"""Tasks of the audit and the ablations: benchmark functions and trajectory problems, each seen in several ways.
 
 A search that only uses its objective and its box gives the same results in every view of a problem; one that uses the
 origin of the coordinates, or the diagonal of the box, does not.
