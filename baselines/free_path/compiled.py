@@ -17,21 +17,24 @@ SHARED = 7
 
 
 @njit(cache=True, fastmath={"reassoc", "contract"})
-def _add_piece(g: Floats, s1: Floats, s2: Floats, k: int, pieces: int, hessian: Floats) -> None:
-    """Add the second derivatives of piece k, given those in its own five numbers."""
-    columns = (k, k + 1, pieces + 1 + k)
+def _add_piece(
+    g: Floats, s1: Floats, s2: Floats, columns: tuple[int, int, int], used: Integers, hessian: Floats
+) -> None:
+    """Add the second derivatives of a piece, given those in its own five numbers; only `used` sensitivities are not zero."""
     for a in range(3):
         for b in range(a + 1):
             hessian[columns[a], columns[b]] += g[a + 2, b + 2]
     ranged = g[0, 0] != 0.0
-    for p in range(len(s1)):
-        for q in range(p + 1):
+    for a in range(len(used)):
+        p = used[a]
+        for b in range(a + 1):
+            q = used[b]
             hessian[p, q] += g[1, 1] * s1[p] * s1[q]
             if ranged:
                 hessian[p, q] += g[0, 0] * s2[p] * s2[q] + g[1, 0] * (s1[p] * s2[q] + s2[p] * s1[q])
-        for a in range(3):
-            value = g[a + 2, 1] * s1[p] + g[a + 2, 0] * s2[p]
-            column = columns[a]
+        for b in range(3):
+            value = g[b + 2, 1] * s1[p] + g[b + 2, 0] * s2[p]
+            column = columns[b]
             if p > column:
                 hessian[p, column] += value
             elif p < column:
@@ -66,8 +69,13 @@ def _sum_up(local: Floats, y: Floats, gains: tuple[float, float], hessian: Float
     s1[size - 2] = 1.0
     s2[size - 1] = 1.0
     hessian[:] = 0.0
+    used = np.empty(size, dtype=np.int64)
     for k in range(pieces):
-        _add_piece(local[k], s1, s2, k, pieces, hessian)
+        used[: k + 1] = np.arange(k + 1)
+        used[k + 1 : 2 * k + 1] = np.arange(pieces + 1, pieces + 1 + k)
+        used[2 * k + 1] = size - 2
+        used[2 * k + 2] = size - 1
+        _add_piece(local[k], s1, s2, (k, k + 1, pieces + 1 + k), used[: 2 * k + 3], hessian)
         _advance(s1, s2, y[:, k], gains, k, pieces)
     for p in range(size):
         for q in range(p):
@@ -183,12 +191,12 @@ def prepare(
 
 @njit(cache=True, fastmath={"reassoc", "contract"})
 def finish(
-    least: float, counts: Integers, bounds: tuple[float, float], given: tuple[Floats, ...], out: tuple[Floats, ...]
+    least: float, counts: Integers, shifts: tuple[float, float], given: tuple[Floats, ...], out: tuple[Floats, ...]
 ) -> None:
     """Eliminate all blocks with a regularisation; `out` is filled, and its first part holds Hyy before the call."""
     cross, outer, feasible, basis, hessians = given
     inner, projected, follow, reduced = out
-    tiny, reflection = bounds
+    first, growth = shifts
     ny = inner.shape[2]
     factor, half, right = np.empty((ny, ny)), np.empty((ny, ny)), np.empty((ny, SHARED))
     for i in range(inner.shape[0]):
@@ -196,9 +204,10 @@ def finish(
             count = counts[j]
             nn, shift = ny - count, least
             if nn and not factored(hessians[i, j], shift, nn, factor):
-                lowest = np.linalg.eigvalsh(np.ascontiguousarray(hessians[i, j, :nn, :nn]))[0]
-                if lowest + shift <= tiny:
-                    shift = reflection * abs(lowest) + 1e-6
+                shift = first
+                while not factored(hessians[i, j], shift, nn, factor) and shift < 1e30:
+                    shift *= growth
+                shift = max(2 * shift, least)
                 factored(hessians[i, j], shift, nn, factor)
             own = inner[i, j]
             for p in range(ny if nn else 0):

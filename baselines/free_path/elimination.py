@@ -33,11 +33,9 @@ from study.problem import Floats
 SHARED = 7
 """Number of shared unknowns of a block."""
 
-TINY = 1e-10
-"""Smallest eigenvalue that counts as positive."""
-
-REFLECTION = 3.0
-"""How far a negative eigenvalue is shifted, as a multiple of its size; just above zero would make the step huge."""
+SHIFTS = (1e-6, 3.0)
+"""First trial and factor of the shifts that are tried on a block without the right inertia; twice the first that is enough is
+taken, because one that is just enough would make the step huge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,5 +246,7 @@ def _shift(hessians: Floats, least: float) -> Floats:
         np.linalg.cholesky(hessians + least * np.eye(hessians.shape[-1]))
     except np.linalg.LinAlgError:
         lowest = np.linalg.eigvalsh(hessians)[..., 0]
-        shift = np.where(lowest + shift <= TINY, REFLECTION * np.abs(lowest) + 1e-6, shift)
+        first, factor = SHIFTS
+        steps = np.ceil(np.log(np.maximum(-lowest, first) / first) / np.log(factor))
+        shift = np.where(lowest + least <= 0, np.maximum(2 * first * factor**steps, least), shift)
     return shift

@@ -15,7 +15,7 @@ from types import ModuleType
 
 import numpy as np
 
-from baselines.free_path.elimination import REFLECTION, SHARED, TINY, Blocks, Elimination, equations_of
+from baselines.free_path.elimination import SHARED, SHIFTS, Blocks, Elimination, equations_of
 from baselines.free_path.model import Model
 from baselines.free_path.pieces import Pieces
 from study.engine import AUTO, NUMBA, VARIABLE, chosen, compiled_module
@@ -82,5 +82,5 @@ class CompiledElimination(Elimination):
         follow, reduced = np.empty_like(self.cross), np.empty_like(self.outer)
         given = self.cross, self.outer, self.feasible, self._basis, self._hessians
         out = inner, projected, follow, reduced
-        self._code.finish(float(regularisation), self._counts, (TINY, REFLECTION), given, out)
+        self._code.finish(float(regularisation), self._counts, SHIFTS, given, out)
         return Blocks(self.inverse, projected, inner, self.cross, follow, reduced)

@@ -141,7 +141,7 @@ def _goals(deadline: Deadline) -> tuple[Goal, Goal, Goal]:
     return (
         Goal(barrier=1e-4, error=1e-2, iterations=100, deadline=deadline),
         Goal(barrier=1e-7, error=1e-3, iterations=120, deadline=deadline, centring=0.3, level=3e-6, damping=1e-3),
-        Goal(barrier=1e-9, error=1e-6, iterations=60, deadline=deadline, level=1e-8),
+        Goal(barrier=3e-9, error=1e-5, iterations=60, deadline=deadline, level=1e-8),
     )
 
 
