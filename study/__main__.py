@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import sys
+from importlib.metadata import version
+
+from study.cli.interrupts import ending_at_once
 
 
 def main() -> None:
     """Run the command."""
+    if sys.argv[1:] == ["--version"]:  # before typer, which is slow to take an option
+        print(version("time-optimal-study"))
+        return
     try:
-        from study.cli.main import main as run
+        with ending_at_once():
+            from study.cli.main import main as run
 
         run()
-    except KeyboardInterrupt:  # during the first imports
-        sys.exit(130)
     except ModuleNotFoundError as error:
         if str(error.name).partition(".")[0] == "study":
             raise  # a file of ours is missing: no package that could be installed

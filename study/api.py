@@ -11,6 +11,7 @@ import numpy as np
 from study.cautions import cautions, unbounded_joints
 from study.errors import StudyError
 from study.io.export import write_motion
+from study.io.sampling import Sampling
 from study.judge import Verdict
 from study.planning import RunSettings, Status, usual_settings
 from study.problem import Problem
@@ -128,7 +129,12 @@ class Planned:
         return _reason(self.result)
 
     def write(
-        self, path: str | Path, rate: float | None = None, *, accept_unbounded_acceleration: bool = False
+        self,
+        path: str | Path,
+        rate: float | None = None,
+        points: int | None = None,
+        *,
+        accept_unbounded_acceleration: bool = False,
     ) -> Path:
         """Write the motion in the form that the file's name asks for; see `study.io.export.write_motion`.
 
@@ -137,8 +143,8 @@ class Planned:
         StudyError
             If the file cannot be written, or a joint that moves has no acceleration limit and that is not accepted.
         """
-        accepted = accept_unbounded_acceleration
-        return write_motion(self.motion, self.problem, Path(path), rate, accept_unbounded_acceleration=accepted)
+        accepted, sampling = accept_unbounded_acceleration, Sampling(rate, points)
+        return write_motion(self.motion, self.problem, Path(path), sampling, accept_unbounded_acceleration=accepted)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
 from study.errors import StudyError
+from study.io.documents import parsed
 
 try:
-    import yaml
+    import yaml  # noqa: F401
     from pydantic import BaseModel, ConfigDict, ValidationError
 except ModuleNotFoundError as error:
     raise ModuleNotFoundError(
@@ -61,17 +63,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
     StudyError
         If the file is missing, cannot be read, is not YAML or is not a mapping.
     """
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise StudyError(f"file {str(path)!r} does not exist; check the path") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise StudyError(f"file {str(path)!r} cannot be read as text: {error}") from None
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f" at line {mark.line + 1}" if mark else ""
-        problem = getattr(error, "problem", None) or "it could not be parsed"
-        raise StudyError(f"file {str(path)!r} is not valid YAML{where}: {problem}") from None
+    content = parsed(path)
     if not isinstance(content, dict):
         raise StudyError(f"file {str(path)!r} must hold named fields (a YAML mapping), got {type(content).__name__}")
     return content
@@ -96,16 +88,18 @@ def checked(model: type[Model], content: object, where: str) -> Model:
     try:
         return model.model_validate(content)
     except ValidationError as error:
-        raise StudyError(_sentence(error, where)) from None
+        raise StudyError(_sentence(error, model, where)) from None
 
 
-def _sentence(error: ValidationError, where: str) -> str:
+def _sentence(error: ValidationError, model: type[BaseModel], where: str) -> str:
     first, *others = error.errors(include_url=False)
     field = ".".join(part for part in first["loc"] if isinstance(part, str) and part not in FORMS) or "the file"
     places = " of ".join(f"item {part + 1}" for part in reversed(first["loc"]) if isinstance(part, int))
     more = f" (and {len(others)} more)" if others else ""
     if first["type"] == "extra_forbidden":
-        return f"{where}: unknown key {field!r}; remove it or correct its spelling{more}"
+        near = get_close_matches(str(first["loc"][-1]), _keys(model), n=1, cutoff=0.5)
+        hint = f"did you mean {near[0]!r}?" if near else "remove it or correct its spelling"
+        return f"{where}: unknown key {field!r}; {hint}{more}"
     if first["type"] == "missing":
         return f"{where}: field {field!r} is missing; add it{more}"
     message = first["msg"].removeprefix("Value error, ")
@@ -115,19 +109,9 @@ def _sentence(error: ValidationError, where: str) -> str:
     return f"{where}: field {field}: {message[:1].lower()}{message[1:]}{came}{more}"
 
 
-def make_file(path: Path, text: str, overwrite: bool = True) -> None:
-    """Write a text file and the folders above it.
-
-    Raises
-    ------
-    StudyError
-        If it exists and must not be overwritten, or cannot be written.
-    """
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("w" if overwrite else "x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-    except FileExistsError:
-        raise StudyError(f"file {str(path)!r} exists already; name another one or move it away") from None
-    except OSError as error:
-        raise StudyError(f"cannot write {str(path)!r}: {error.strerror or error}; choose another place") from None
+@cache
+def _keys(model: type[BaseModel]) -> list[str]:
+    """Names of all fields of a model and of the models in it."""
+    schema = model.model_json_schema()
+    parts = [schema, *schema.get("$defs", {}).values()]
+    return sorted({name for part in parts for name in part.get("properties", {})})

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.parquet as pq
+
+from study.files import csv_text, replacing, write_file
 
 Value = str | int | float | bool | None
 Record = dict[str, Value]
@@ -32,8 +33,7 @@ def write_table(stem: Path, records: Sequence[Record], schema: Mapping[str, type
     """
     typed = None if schema is None else pa.schema([(key, ARROW[of]) for key, of in schema.items()])
     table = pa.Table.from_pylist(list(records), schema=typed)
-    with stem.with_name(f"{stem.name}.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(table.column_names)
-        writer.writerows([[raw(record[key]) for key in table.column_names] for record in records])
-    pq.write_table(table, stem.with_name(f"{stem.name}.parquet"))
+    rows = ([raw(record[key]) for key in table.column_names] for record in records)
+    write_file(stem.with_name(f"{stem.name}.csv"), csv_text([table.column_names, *rows]))
+    with replacing(stem.with_name(f"{stem.name}.parquet")) as part:
+        pq.write_table(table, part)

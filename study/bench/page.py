@@ -6,7 +6,7 @@ from pathlib import Path
 
 from study.bench import figures, wording
 from study.bench.run import Bench, read
-from study.errors import StudyError
+from study.files import write_file
 from study.report.rendering import render
 
 
@@ -32,12 +32,7 @@ def write_page(record: Path, out: Path) -> Path:
     """
     bench = read(record)
     page = out / "performance.html"
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        page.write_text(_render(bench, (out / "index.html").is_file()), encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise StudyError(f"the performance page cannot be written to {str(out)!r}: {error.strerror}") from None
-    return page
+    return write_file(page, _render(bench, (out / "index.html").is_file()))
 
 
 def _render(bench: Bench, linked: bool) -> str:

@@ -20,6 +20,7 @@ from study.bench.output import output_rows
 from study.bench.references import reference_rows
 from study.bench.searches import search_rows
 from study.errors import StudyError
+from study.files import write_file
 from study.runs.environment import environment
 
 VERSION = 1
@@ -105,11 +106,7 @@ def write(bench: Bench, path: Path) -> None:
         "python": sys.version,
         "rows": [asdict(row) | {"kind": type(row).__name__, "met": row.met} for row in bench.rows],
     }
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(record, indent=1), encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise StudyError(f"the measurements cannot be written to {str(path)!r}: {error.strerror}") from None
+    write_file(path, json.dumps(record, indent=1))
 
 
 def read(path: Path) -> Bench:

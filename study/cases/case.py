@@ -80,6 +80,8 @@ class Case:
         Which limits the problem has, in a word or two, such as `published` or `jerk-matched`.
     variant_of : str
         Name of the case that this one varies; empty for a case of its own.
+    warnings : tuple of str
+        One sentence for everything in a file of one's own that is not used, or could be taken otherwise.
     """
 
     name: str
@@ -102,6 +104,7 @@ class Case:
     self_collision: bool = False
     limits_label: str = "given"
     variant_of: str = ""
+    warnings: tuple[str, ...] = ()
 
     @property
     def velocity_only(self) -> bool:

@@ -16,7 +16,7 @@ from study.cases.paper_file import SI, CaseFile, Limits, Printed, Rates, Unit, i
 from study.curves import curve_named
 from study.datafiles import checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
-from study.io.table import parsed
+from study.io.documents import parsed
 from study.planning import Formulation, RunSettings, Synchronisation, usual_settings
 from study.problem import EndCondition, Floats, JointLimits, Problem, frozen_array
 
@@ -99,6 +99,7 @@ def own_case(content: Mapping[str, Any], path: Path) -> Case:
         obstacles=parts.obstacles,
         arm_radius=parts.arm_radius,
         self_collision=parts.self_collision,
+        warnings=parts.warnings,
     )
 
 

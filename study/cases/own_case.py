@@ -12,12 +12,21 @@ import numpy as np
 
 from study.cases.own_demands import demands_of, segments_between, tightest
 from study.cases.own_file import OwnCase, OwnDirections, OwnRates
+from study.cases.own_waypoints import (
+    dropped_rates,
+    leading_columns,
+    moved_segments,
+    placed,
+    refuse_outside,
+    tidied_demands,
+    unlimited_joints,
+)
 from study.cases.paper_file import SI
 from study.datafiles import checked
 from study.errors import StudyError, plural
-from study.io.limits import OneJoint, read_limits
-from study.io.table import WaypointRows
-from study.io.waypoints import read_rows
+from study.io.limits import LimitFile, OneJoint, read_limits
+from study.io.recordings import read_samples
+from study.io.samples import Samples
 from study.limits import OPTIONAL
 from study.planning import usual_curve
 from study.problem import EndCondition, Floats, JointLimits, Problem
@@ -47,6 +56,8 @@ class OwnParts:
     notes : tuple of str
     sources : mapping of str to str
         Field: the file its numbers come from.
+    warnings : tuple of str
+        One sentence for everything in the files that is not used, or was taken in a way that could be taken otherwise.
     """
 
     problem: Problem
@@ -59,6 +70,7 @@ class OwnParts:
     self_collision: bool
     notes: tuple[str, ...]
     sources: Mapping[str, str]
+    warnings: tuple[str, ...] = ()
 
 
 def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
@@ -78,25 +90,36 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
     """
     where = f"file {path.name!r}"
     file = checked(OwnCase, content, where)
-    rows = read_rows(path.parent / file.waypoints) if isinstance(file.waypoints, str) else None
+    rows = read_samples(path.parent / file.waypoints) if isinstance(file.waypoints, str) else None
     limit_files = [file.limits.files] if isinstance(file.limits.files, str) else file.limits.files
-    read = _merged([read_limits(path.parent / name) for name in limit_files])
+    limits = _merged([read_limits(path.parent / name) for name in limit_files])
+    read, warnings = limits.joints, [*limits.notes]
+    if rows is not None:
+        rows, notes = leading_columns(rows, limits.followers)
+        warnings += [f"{file.waypoints}: {note}" for note in (*rows.notes, *notes, *dropped_rates(file, rows))]
     names = _names(file, rows, read, where)
-    table = _columns(rows, names, where) if rows else np.array(_rectangle(file.waypoints, where), dtype=float)
+    table = rows.of(names, where).positions if rows else np.array(_rectangle(file.waypoints, where), dtype=float)
     if len(table) == 1:
         raise StudyError(f"{where}: there is only one waypoint; a motion needs at least two")
     units = _units(file, rows, read, names, table.shape[1], where)
     factors = np.array([SI[unit][1] for unit in units])
+    known = [read.get(name, OneJoint()) for name in names]
+    bounds = _limits(file.limits, known, factors, where)
+    table, notes = placed(file, table if rows and rows.si else table * factors, known, bounds, names)
+    refuse_outside(table, bounds, names, units, where)
+    demands = demands_of(file, factors, len(table), where)
+    kept, demands = tidied_demands(file, table, demands, where)
     problem = Problem(
         name=file.name or path.stem,
-        waypoints=table if rows and rows.si else table * factors,
-        limits=_limits(file.limits, [read.get(name, OneJoint()) for name in names], factors, where),
+        waypoints=kept.waypoints,
+        limits=bounds,
         end=EndCondition[file.end.upper()] if file.end else OPTIONAL,
         duration_bounds=_duration_bounds(file) or OPTIONAL,
         joint_names=names,
-        segment_limits=_segment_limits(file, factors, len(table), where),
-        **demands_of(file, factors, len(table), where),
+        segment_limits=moved_segments(_segment_limits(file, factors, len(table), where), kept),
+        **demands,
     )
+    warnings += [*notes, *kept.notes, *unlimited_joints(problem, read)]
     problem = problem if file.speed is None else problem.at_speed(file.speed)
     robot = _robot(file.robot, path, problem)
     if (file.obstacles or file.self_collision) and robot is None:
@@ -115,6 +138,7 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
             "waypoints": str(file.waypoints) if rows else path.name,
             "limits": ", ".join(limit_files) or path.name,
         },
+        warnings=tuple(warnings),
     )
 
 
@@ -131,15 +155,17 @@ def bare_content(path: Path, units: str | None, limits: Sequence[Path]) -> dict[
             "file, see `study init`"
         )
     content: dict[str, Any] = {"waypoints": path.name, "limits": {"from": [str(file.resolve()) for file in limits]}}
-    return content if units is None else content | {"units": units}
+    return content if units is None else content | {"units": units.split(",") if "," in units else units}
 
 
-def _merged(files: Sequence[Mapping[str, OneJoint]]) -> dict[str, OneJoint]:
-    result: dict[str, OneJoint] = {}
+def _merged(files: Sequence[LimitFile]) -> LimitFile:
+    joints: dict[str, OneJoint] = {}
     for file in files:
-        for name, joint in file.items():
-            result[name] = joint.over(result.get(name, OneJoint()))
-    return result
+        for name, joint in file.joints.items():
+            joints[name] = joint.over(joints.get(name, OneJoint()))
+    followers = {name: master for file in files for name, master in file.followers.items()}
+    notes = [note for file in files for note in file.notes]
+    return LimitFile({name: joint for name, joint in joints.items() if name not in followers}, followers, tuple(notes))
 
 
 def _rectangle(rows: Any, where: str) -> list[list[float]]:
@@ -152,9 +178,9 @@ def _rectangle(rows: Any, where: str) -> list[list[float]]:
     return list(rows)
 
 
-def _names(file: OwnCase, rows: WaypointRows | None, read: Mapping[str, OneJoint], where: str) -> tuple[str, ...]:
+def _names(file: OwnCase, rows: Samples | None, read: Mapping[str, OneJoint], where: str) -> tuple[str, ...]:
     """Names of the joints: the case's own, else the waypoint file's, else those of the limits if their number fits."""
-    width = rows.values.shape[1] if rows else len(file.waypoints[0]) if file.waypoints else 0
+    width = rows.positions.shape[1] if rows else len(file.waypoints[0]) if file.waypoints else 0
     names = tuple(file.joints or (rows.names if rows else ()) or (read if len(read) == width else ()))
     if not names and read:
         raise StudyError(
@@ -173,20 +199,8 @@ def _names(file: OwnCase, rows: WaypointRows | None, read: Mapping[str, OneJoint
     return names or tuple(f"joint {k + 1}" for k in range(width))
 
 
-def _columns(rows: WaypointRows, names: tuple[str, ...], where: str) -> Floats:
-    """Columns in the order of the joints; a file without names must have one column for each joint."""
-    if rows.names and set(names) <= set(rows.names):
-        return rows.values[:, [rows.names.index(name) for name in names]]
-    if rows.names:
-        missing = next(name for name in names if name not in rows.names)
-        raise StudyError(f"{where}: the waypoints' columns are {', '.join(rows.names)}; there is none for {missing!r}")
-    if rows.values.shape[1] != len(names):
-        raise StudyError(f"{where}: the waypoints have {rows.values.shape[1]} columns for {len(names)} joints")
-    return rows.values
-
-
 def _units(
-    file: OwnCase, rows: WaypointRows | None, read: Mapping[str, OneJoint], names: Sequence[str], width: int, where: str
+    file: OwnCase, rows: Samples | None, read: Mapping[str, OneJoint], names: Sequence[str], width: int, where: str
 ) -> list[Any]:
     if file.units is None:
         own = any(getattr(file.limits, field) is not None for field in (*_RATES, "position"))

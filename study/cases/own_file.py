@@ -160,6 +160,9 @@ class OwnCase(Strict):
     speed: Annotated[float, Field(gt=0, le=1)] | None = Field(
         None, description="Share of the full speed: 0.5 takes twice as long, whatever limits."
     )
+    unwrap: bool = Field(
+        True, description="Whether joints that turn without end take the short way round from waypoint to waypoint."
+    )
     robot: str | None = Field(
         None, description="For 3D: a URDF file, a file with a DH table, or one of the study's arms."
     )

@@ -11,7 +11,8 @@ from rich.table import Table
 from study.bench import wording
 from study.bench.measuring import Limit, Ratio
 from study.bench.run import measure, write
-from study.cli.shared import DEFAULT_OUT, make_console
+from study.cli.screen import make_console
+from study.cli.shared import DEFAULT_OUT
 
 
 def bench(

@@ -1,8 +1,9 @@
-"""`study check`: is this case right, or does this trajectory solve it?"""
+"""The command `study check`: a case explained, or anyone's trajectory judged."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -12,15 +13,25 @@ from rich.console import Console
 from study.api import automatic
 from study.cases.library import Case, load_case
 from study.cases.obstacles import may_be_driven, nearest
+from study.cases.recorded import limits_alone, motion_of, with_room
 from study.cautions import cautions, ends_said
 from study.cli import terminal
-from study.cli.inputs import FORMS, LimitFiles, is_bare, load_any
-from study.cli.shared import INFEASIBLE, make_console
+from study.cli.inputs import LimitFiles, load_any
+from study.cli.screen import make_console
+from study.cli.shared import INFEASIBLE
 from study.errors import StudyError, plural
-from study.io.sampled import passages, read_motion
+from study.io.exact import read_exact
+from study.io.passages import passages
+from study.io.recordings import holds_samples, read_samples
+from study.io.sampled import Interpolation, joined, sample_use
+from study.io.samples import Samples
 from study.judge import judge
 from study.registry import planner_about
+from study.tolerances import TOLERANCE
 from study.trajectory import Motion, Trajectory
+
+SAMPLED = 1e-3
+"""Share by which limits may be exceeded between samples unless said otherwise: what their rounding may cost."""
 
 
 def check(
@@ -28,34 +39,104 @@ def check(
         Path,
         typer.Argument(
             metavar="FILE",
-            help="A case of your own (YAML or JSON); or, with --limits, waypoints alone; or, with --case, a trajectory: CSV "
-            "with time, then positions of all joints, optionally velocities, then accelerations; or an .exact.json file.",
+            help="A case of your own (YAML or JSON); or, with --limits, waypoints alone; or, with --case or with --limits, a "
+            "trajectory in any format that is read or written here.",
         ),
     ],
     case: Annotated[
         str | None, typer.Option("--case", help="Name or file of the case that a trajectory solves.")
     ] = None,
     units: Annotated[
-        str | None, typer.Option(help="Of angles in a trajectory's CSV: rad or deg; of waypoints alone: also m or mm.")
+        str | None,
+        typer.Option(help="Of positions in a file that does not say them: rad, deg, m or mm, or one for each joint."),
     ] = None,
     limits: LimitFiles = None,
+    interpolation: Annotated[
+        Interpolation | None,
+        typer.Option(help="How a controller joins the samples of a trajectory; by default as ros2_controllers does."),
+    ] = None,
+    tolerance: Annotated[
+        float, typer.Option(help="Share by which a sampled trajectory may exceed limits and miss waypoints.", min=0.0)
+    ] = SAMPLED,
 ) -> None:
     """Check a case and say what was understood; or judge a trajectory: 0 if it is feasible, 3 if it is not."""
     console = make_console()
-    if case is None:
+    samples = None if _exact(file) or not (case or holds_samples(file)) else read_samples(file)
+    if case is None and not _exact(file) and (samples is None or not _timed(samples, interpolation)):
         _explain(_case(file, units, limits or []), console)
         return
-    if limits:
-        raise StudyError("--limits goes with a file of waypoints alone; the case that --case names has its own limits")
-    known = load_case(case)
-    motion, method = _motion(file, known, units or "rad")
-    if not report_verdict(known, motion, method, console):
+    if case is not None and limits:
+        raise StudyError("give --case or --limits, not both: a case has its own limits")
+    where = f"file {file.name!r}"
+    if samples is None:
+        motion = read_exact(file)
+        known = _known(case, None, limits or [], where)
+        feasible = report_verdict(known, _passing(motion, known), "exact polynomials", console)
+    else:
+        known = _known(case, samples, limits or [], where, units)
+        feasible = _judge_samples(
+            motion_of(samples, known, units, where), known, where, interpolation, tolerance, console
+        )
+    if not feasible:
         raise typer.Exit(INFEASIBLE)
     console.print("feasible")
 
 
+def _exact(file: Path) -> bool:
+    return file.name.lower().endswith(".exact.json")
+
+
+def _timed(samples: Samples, interpolation: Interpolation | None) -> bool:
+    """Whether samples are a trajectory and no waypoints: rates are given, or an interpolation is asked for."""
+    return samples.times is not None and (samples.velocities is not None or interpolation is not None)
+
+
+def _known(
+    case: str | None, samples: Samples | None, limits: Sequence[Path], where: str, units: str | None = None
+) -> Case:
+    if case is not None:
+        return load_case(case)
+    if samples is None or not limits:
+        raise StudyError(
+            f"{where} holds a trajectory: name the case that it solves with --case"
+            + (", or its limits with --limits" if samples is not None else "")
+        )
+    return limits_alone(samples, limits, units, where)
+
+
+def _passing(motion: Motion, case: Case) -> Motion:
+    if not isinstance(motion, Trajectory) or motion.n_joints != case.problem.n_joints:
+        return motion
+    times = passages(motion.knots, motion.coefficients, case.problem.waypoints)
+    return replace(motion, waypoint_times=times)
+
+
+def _judge_samples(
+    samples: Samples,
+    case: Case,
+    where: str,
+    interpolation: Interpolation | None,
+    tolerance: float,
+    console: Console,
+) -> bool:
+    """Say apart what holds at the samples and what a controller makes of them in between."""
+    for note in samples.notes:
+        console.print(f"note: {note}", soft_wrap=True)
+    roomy = replace(case, problem=with_room(case.problem, tolerance))
+    at_samples = [
+        sentence for share, sentence in sample_use(samples, case.problem) if share > 1 + max(tolerance, TOLERANCE)
+    ]
+    for sentence in at_samples:
+        console.print(f"infeasible at the samples: {sentence}", soft_wrap=True)
+    if not at_samples:
+        console.print("at the samples every limit is kept")
+    through = joined(samples, case.problem, where, interpolation)
+    console.print(f"between the samples, joined as a controller may, a limit may be exceeded by {100 * tolerance:g} %:")
+    return report_verdict(roomy, through.trajectory, through.method, console) and not at_samples
+
+
 def _case(file: Path, units: str | None, limits: Sequence[Path]) -> Case:
-    if not limits and (file.suffix.lower() not in FORMS or is_bare(file)):
+    if not limits and (holds_samples(file) or file.suffix.lower() not in (".yaml", ".yml", ".json")):
         raise StudyError(
             f"file {str(file)!r} is no case (YAML or JSON); if it holds waypoints alone, add --limits, and if it holds a "
             "trajectory, name the case that it solves with --case"
@@ -63,18 +144,12 @@ def _case(file: Path, units: str | None, limits: Sequence[Path]) -> Case:
     return load_any(file, units, limits)
 
 
-def _motion(file: Path, case: Case, units: str) -> tuple[Motion, str]:
-    """The motion in a file and how it was understood."""
-    if file.suffix.lower() == ".json":
-        from study.io.exact import read_exact
-
-        motion = read_exact(file)
-        if isinstance(motion, Trajectory) and motion.n_joints == case.problem.n_joints:
-            times = passages(motion.knots, motion.coefficients, case.problem.waypoints)
-            motion = Trajectory(motion.knots, motion.coefficients, times)
-        return motion, "exact polynomials"
-    sampled = read_motion(file, case.problem, units, tuple(unit == "rad" for unit in case.units))
-    return sampled.trajectory, sampled.method
+def warn(case: Case, console: Console) -> None:
+    """Print what must be known before a motion of the case is driven, and what of the files was not used."""
+    for caution in cautions(case.problem):
+        console.print(f"warning: {caution}", style="bold red", soft_wrap=True)
+    for sentence in case.warnings:
+        console.print(f"note: {sentence}", soft_wrap=True)
 
 
 def report_verdict(case: Case, motion: Motion, method: str, console: Console) -> bool:
@@ -89,16 +164,15 @@ def report_verdict(case: Case, motion: Motion, method: str, console: Console) ->
     console.print(f"duration {verdict.duration:.9g} s, largest share of a limit {verdict.worst_ratio:.6f}")
     for reason in verdict.reasons:
         console.print(f"infeasible: {reason}", soft_wrap=True)
-    found = nearest(case, motion)
-    if found is not None:
-        console.print(f"{'' if found.clear else 'infeasible: '}{found.sentence}", soft_wrap=True)
-    return may_be_driven(verdict, found)
+    clearance = nearest(case, motion)
+    if clearance is not None:
+        console.print(f"{'' if clearance.clear else 'infeasible: '}{clearance.sentence}", soft_wrap=True)
+    return may_be_driven(verdict, clearance)
 
 
 def _explain(case: Case, console: Console) -> None:
     """Say what was read and what will be done with it."""
-    for caution in cautions(case.problem):
-        console.print(f"warning: {caution}", style="bold red", soft_wrap=True)
+    warn(case, console)
     for table in terminal.case_tables(case):
         console.print(table)
     problem = case.problem

@@ -10,6 +10,8 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from study.cli.interrupts import ending_at_once
+
 PLACEHOLDERS = {
     "case": "CASE",
     "cases": "CASES",
@@ -85,7 +87,8 @@ class Entry:
 
     def load(self, name: str) -> Any:
         """Import the command and build it for Click."""
-        target = getattr(import_module(f"study.cli.{self.module}"), self.name)
+        with ending_at_once():
+            target = getattr(import_module(f"study.cli.{self.module}"), self.name)
         if isinstance(target, typer.Typer):
             return group(target)
         single = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")

@@ -16,8 +16,10 @@ from study.api import COMPARED
 from study.cases.library import Case, case_names, load_case
 from study.cases.obstacles import may_be_driven, nearest
 from study.cases.own_case import bare_content
-from study.cli.inputs import LimitFiles, is_bare, load_any
-from study.cli.own import FORMS, Accept, Rate, Units, no_motion, trajectory_file, warn
+from study.cli.check import warn
+from study.cli.inputs import LimitFiles, Rate, Wishes, load_any
+from study.cli.own import FORMS, Accept, Units, no_motion, save_motion, trajectory_file
+from study.cli.screen import complain, make_console
 from study.cli.shared import (
     DEFAULT_OUT,
     STORE_NAME,
@@ -27,14 +29,13 @@ from study.cli.shared import (
     Out,
     Workers,
     audit_flags,
-    make_console,
     run_missing,
     show,
 )
-from study.datafiles import make_file
 from study.errors import StudyError
-from study.io.export import write_motion
+from study.files import write_file
 from study.io.filenames import file_stem
+from study.io.recordings import holds_samples
 from study.registry import unavailable_planners
 from study.runs.environment import environment
 from study.runs.execute import cell_jobs, stored_results
@@ -87,10 +88,13 @@ def compare(
     if file is None:
         _compare_papers(cases, out, full, seeds, workers)
         return
+    if cases or full:
+        raise StudyError("--cases and --full go with a comparison of the papers' searches, which takes no FILE")
     seeds = 3 if seeds is None else seeds
-    case, console = load_any(file, units, limits or []), make_console()
+    wishes, console = Wishes(rate=rate), make_console()
+    case = load_any(file, units, limits or [])
     warn(case, console)
-    source = str(file.resolve()) if not is_bare(file) else _kept_case(case, file, units, limits or [], out)
+    source = str(file.resolve()) if not holds_samples(file) else _kept_case(case, file, units, limits or [], out)
     cells = make_cells([case], _compared(planners), Budget(seeds, evaluations, time_limit))
     with Store(out / STORE_NAME) as store:
         remember_lineup(store, cells, {case.name: source})
@@ -101,10 +105,8 @@ def compare(
     if best is None or best.motion is None:
         raise typer.Exit(no_motion(case))
     console.print(f"fastest feasible: {best.cell.label}", soft_wrap=True)
-    for form in FORMS:
-        path = trajectory_file(out, case, form)
-        write_motion(best.motion, case.problem, path, rate, accept_unbounded_acceleration=accept)
-        console.print(f"trajectory: {path}", soft_wrap=True)
+    files = [trajectory_file(out, case, form) for form in FORMS]
+    save_motion(case, best.motion, files, wishes.sampling, accept, console)
 
 
 def _compare_papers(cases: list[str] | None, out: Path, full: bool, seeds: int | None, workers: Workers) -> None:
@@ -162,25 +164,29 @@ def _compared(planners: Sequence[str] | None) -> tuple[Any, ...]:
     broken = unavailable_planners()
     for name in COMPARED:
         if name in broken:
-            typer.echo(f"study: left out: {broken[name]}", err=True)
+            complain(f"left out: {broken[name]}")
     return parse_specs(",".join(name for name in COMPARED if name not in broken))
 
 
 def _best(case: Case, results: Sequence[Result], console: Console) -> Result | None:
     """Fastest feasible result that hits no obstacle."""
-    for result in sorted(results, key=lambda one: one.verdict.duration if one.verdict else float("inf")):
+    for result in sorted(results, key=_duration):
         if result.verdict is None or not result.verdict.feasible or result.motion is None:
             continue
-        found = nearest(case, result.motion)
-        if found is None or may_be_driven(result.verdict, found):
+        clearance = nearest(case, result.motion)
+        if clearance is None or may_be_driven(result.verdict, clearance):
             return result
-        console.print(f"{result.cell.label}: {found.sentence}", soft_wrap=True)
+        console.print(f"{result.cell.label}: {clearance.sentence}", soft_wrap=True)
     return None
+
+
+def _duration(result: Result) -> float:
+    return result.verdict.duration if result.verdict else float("inf")
 
 
 def _kept_case(case: Case, file: Path, units: str | None, limits: Sequence[Path], out: Path) -> str:
     """Write down what a bare file came to, so that `study report` can load it again."""
     content = bare_content(file, units, limits) | {"name": case.name, "waypoints": str(file.resolve())}
     path = out / "cases" / f"{file_stem(case.name)}.json"
-    make_file(path, json.dumps(content, indent=1) + "\n")
+    write_file(path, json.dumps(content, indent=1) + "\n")
     return str(path.resolve())

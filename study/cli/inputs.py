@@ -1,8 +1,9 @@
-"""What the commands take as a problem: a case, or waypoints alone with limits from other files."""
+"""Problems as the commands take them: a case, or waypoints alone with limits from other files, and wishes about time."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -11,34 +12,85 @@ import typer
 from study.cases.library import Case, load_case, own_case
 from study.cases.own_case import bare_content
 from study.errors import StudyError
-from study.io.joint_trajectory import found_message
-from study.io.table import parsed
-
-FORMS = (".yaml", ".yml", ".json")
-TABLES = (".csv", ".tsv", ".txt")
+from study.io.recordings import holds_samples
+from study.io.sampling import Sampling
+from study.problem import Problem, Timing
 
 LimitFiles = Annotated[
     list[Path] | None,
-    typer.Option("--limits", help="For waypoints alone: MoveIt joint_limits.yaml or URDF; may be given twice."),
+    typer.Option(
+        "--limits", help="For waypoints or a trajectory alone: MoveIt joint_limits.yaml or URDF; may be given twice."
+    ),
 ]
+Duration = Annotated[float | None, typer.Option(help="Seconds that the motion takes; it is slowed down to them.")]
+Speed = Annotated[float | None, typer.Option(help="Share of the full speed, above 0 and at most 1.")]
+Cycle = Annotated[
+    float | None, typer.Option(help="Seconds of a control cycle: the motion takes whole cycles, one sample in each.")
+]
+Points = Annotated[
+    int | None, typer.Option(help="Number of points in the files written, for controllers that take few.")
+]
+Rate = Annotated[
+    float | None,
+    typer.Option(
+        help="Samples per second in the files written, and the end point. [default: 100, or what gives 10 to 100,000 samples, "
+        "and every instant at which the motion changes its polynomial]"
+    ),
+]
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What the command line asks of the time of a motion, and of the instants at which it is written down.
+
+    Attributes
+    ----------
+    duration, cycle : float, s, optional
+    speed : float, optional
+    rate : float, Hz, optional
+    points : int, optional
+    """
+
+    duration: float | None = None
+    speed: float | None = None
+    cycle: float | None = None
+    rate: float | None = None
+    points: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.rate is not None and not 0 < self.rate < float("inf"):
+            raise StudyError(f"the rate must be a positive number of samples per second, got {self.rate:g}")
+        if self.points is not None and self.points < 2:
+            raise StudyError(f"the number of points must be at least 2, got {self.points}")
+        if sum(wish is not None for wish in (self.rate, self.points, self.cycle)) > 1:
+            raise StudyError("--rate, --points and --cycle each choose the samples; give one of them")
+        if self.speed is not None and not 0 < self.speed <= 1:
+            raise StudyError(f"--speed must be above 0 and at most 1, got {self.speed:g}")
+
+    @property
+    def sampling(self) -> Sampling:
+        """Instants at which the motion is written down."""
+        return Sampling(self.rate, self.points)
+
+    def on(self, case: Case) -> Case:
+        """The case with these wishes; those of its file that are not overruled stay."""
+        problem = case.problem if self.speed is None else case.problem.at_speed(self.speed)
+        return replace(case, problem=self._timed(problem))
+
+    def _timed(self, problem: Problem) -> Problem:
+        if self.duration is None and self.cycle is None:
+            return problem
+        old = problem.timing or Timing()
+        exactly, at_least = (old.exactly, old.at_least) if self.duration is None else (self.duration, None)
+        return replace(problem, timing=Timing(exactly, at_least, self.cycle or old.cycle))
 
 
 def load_any(file: Path, units: str | None = None, limits: Sequence[Path] = ()) -> Case:
     """Load a case, or waypoints alone with limits from other files; a name of the study's own cases will do too."""
-    if is_bare(file):
+    if holds_samples(file):
         return own_case(bare_content(file, units, limits), file)
     if limits or units:
         raise StudyError(
             f"--limits and --units go with a file of waypoints alone; {str(file)!r} is a case, which says both itself"
         )
     return load_case(file if file.suffix else str(file))
-
-
-def is_bare(file: Path) -> bool:
-    """Whether a file holds waypoints and nothing else."""
-    if file.suffix.lower() in TABLES:
-        return True
-    if file.suffix.lower() not in FORMS or not file.exists():
-        return False
-    content = parsed(file)
-    return isinstance(content, list) or found_message(content) is not None

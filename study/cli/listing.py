@@ -9,7 +9,7 @@ import typer
 from study.cases.ledger import ledger as ledger_entries
 from study.cases.library import case_names, load_case
 from study.cli import terminal
-from study.cli.shared import make_console
+from study.cli.screen import make_console
 from study.registry import method_named, method_names, unavailable_planners
 from study.runs.lineup import default_lineup
 

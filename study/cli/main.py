@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import sys
+from importlib.metadata import version
 from typing import Annotated
 
 import typer
 
 from study.cli.commands import Entry, lazy_group
+from study.cli.interrupts import STATUS, output_failure
 from study.errors import Interrupted, StudyError
 
 COMMANDS = {
@@ -78,8 +79,6 @@ app = typer.Typer(
 def top(show_version: Annotated[bool, typer.Option("--version", help="Print the version and end.")] = False) -> None:
     """Take the options that come before a command."""
     if show_version:
-        from importlib.metadata import version
-
         print(version("time-optimal-study"))
         raise typer.Exit
 
@@ -90,18 +89,24 @@ def main() -> None:
         try:
             app()
         finally:
-            sys.stdout.flush()
+            if sys.stdout is not None:
+                sys.stdout.flush()
     except StudyError as error:
-        _end(str(error), 2)
+        _end(error, 2)
     except Interrupted as interruption:
-        _end(str(interruption), 130)
+        _end(interruption, STATUS)
     except KeyboardInterrupt:
-        _end("interrupted", 130)
+        _end("interrupted", STATUS)
     except OSError as error:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the flush at exit would fail once more
-        _end(f"the output cannot be written: {error.strerror}", 2)
+        sentence = output_failure(error)
+        if sentence is None:
+            raise
+        _end(sentence, 2)
 
 
-def _end(sentence: str, status: int) -> None:
-    print(f"study: {sentence}", file=sys.stderr)
+def _end(sentence: object, status: int) -> None:
+    from study.cli.screen import complain  # here: its package is slow to import, and most commands end well
+
+    if str(sentence):
+        complain(sentence)
     sys.exit(status)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -12,22 +13,21 @@ from rich.console import Console
 
 from study.api import plan as plan_motion
 from study.cases.library import Case
-from study.cautions import cautions
-from study.cli.check import report_verdict
+from study.cli.check import SAMPLED, report_verdict, warn
 from study.cli.example import EXAMPLE
-from study.cli.inputs import LimitFiles, load_any
-from study.cli.shared import (
-    DEFAULT_OUT,
-    INFEASIBLE,
-    Out,
-    make_console,
-)
-from study.datafiles import make_file
-from study.io.export import form_of
+from study.cli.inputs import Cycle, Duration, LimitFiles, Points, Rate, Speed, Wishes, load_any
+from study.cli.screen import complain, make_console
+from study.cli.shared import DEFAULT_OUT, INFEASIBLE, Out
+from study.files import write_file
+from study.io.export import form_of, points_of, write_motion
 from study.io.filenames import file_stem
+from study.io.sampled import joined
+from study.io.sampling import Sampling
+from study.judge import judge
 from study.planning import Formulation, Synchronisation
 from study.runs.lineup import parse_specs
 from study.store.results import Result
+from study.trajectory import Motion
 
 FORMS = (".yaml", ".csv", ".npz", ".exact.json")
 
@@ -35,13 +35,6 @@ File = Annotated[
     Path, typer.Argument(metavar="FILE", help="A case (YAML or JSON), or waypoints alone: CSV or a JointTrajectory.")
 ]
 Units = Annotated[str | None, typer.Option(help="For waypoints alone: rad, deg, m or mm.")]
-Rate = Annotated[
-    float | None,
-    typer.Option(
-        help="Samples per second in the files written; the end point is always there. [default: 100, or what gives 10 to "
-        "100,000 samples]"
-    ),
-]
 
 Accept = Annotated[
     bool,
@@ -56,7 +49,7 @@ def init(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="The file to write.")] = Path("my_case.yaml"),
 ) -> None:
     """Write a commented example of a case to start from."""
-    make_file(file, EXAMPLE.replace("NAME", json.dumps(file.stem)), overwrite=False)
+    write_file(file, EXAMPLE.replace("NAME", json.dumps(file.stem)), overwrite=False)
     print(f"wrote {file}; edit it, then: study check {file}, study compare {file}")
 
 
@@ -68,6 +61,10 @@ def plan(
         typer.Option(help="Files to write, .csv, .yaml, .json, .npz or .exact.json; all kinds below --out by default."),
     ] = None,
     out: Out = DEFAULT_OUT,
+    duration: Duration = None,
+    speed: Speed = None,
+    cycle: Cycle = None,
+    points: Points = None,
     rate: Rate = None,
     seed: Annotated[int, typer.Option(help="For searches.")] = 0,
     evaluations: Annotated[int, typer.Option(help="For searches.")] = 2000,
@@ -77,7 +74,8 @@ def plan(
     accept: Accept = False,
 ) -> None:
     """Plan one motion, have it judged and write it; ends with 3 where no feasible motion was found."""
-    case, console = load_any(file, units, limits or []), make_console()
+    wishes, console = Wishes(duration, speed, cycle, rate, points), make_console()
+    case = wishes.on(load_any(file, units, limits or []))
     for path in save or []:
         form_of(path)  # a wrong name is told before the work, not after it
     [spec] = parse_specs(planner) if planner != "auto" else [None]
@@ -95,15 +93,8 @@ def plan(
     console.print(f"taken: {planned.planner}, {planned.why}", soft_wrap=True)
     if planned.result.motion is None or not report_verdict(case, planned.motion, "", console):
         raise typer.Exit(no_motion(case))
-    for path in save or [trajectory_file(out, case, form) for form in FORMS]:
-        written = planned.write(path, rate, accept_unbounded_acceleration=accept)
-        console.print(f"trajectory: {written}", soft_wrap=True, markup=False)
-
-
-def warn(case: Case, console: Console) -> None:
-    """Print what must be known before a motion of the case is driven."""
-    for caution in cautions(case.problem):
-        console.print(f"warning: {caution}", style="bold red", soft_wrap=True)
+    files = save or [trajectory_file(out, case, form) for form in FORMS]
+    save_motion(case, planned.motion, files, wishes.sampling, accept, console)
 
 
 def _outcome(result: Result) -> str:
@@ -115,8 +106,27 @@ def _outcome(result: Result) -> str:
 
 def no_motion(case: Case) -> int:
     """Say that no motion was found; the exit status."""
-    typer.echo(f"study: case {case.name!r}: no feasible motion was found; the reasons are above", err=True)
+    complain(f"case {case.name!r}: no feasible motion was found; the reasons are above")
     return INFEASIBLE
+
+
+def save_motion(
+    case: Case, motion: Motion, files: Sequence[Path], sampling: Sampling, accept: bool, console: Console
+) -> None:
+    """Write a motion, and say what a controller that joins the samples makes of it where they do not suit the limits."""
+    for path in files:
+        write_motion(motion, case.problem, path, sampling, accept_unbounded_acceleration=accept)
+        console.print(f"trajectory: {path}", soft_wrap=True)
+    times = sampling.times(motion, case.problem)
+    through = joined(points_of(motion, case.problem, times), case.problem, "the samples")
+    share = judge(case.problem, through.trajectory).worst_ratio
+    console.print(f"{len(times)} samples; {through.method}", soft_wrap=True)
+    if share > 1 + SAMPLED:
+        console.print(
+            f"joined by a controller they reach {share:.3g} of a limit; without --rate, --points or --cycle samples stand where "
+            "the motion needs them, and --speed leaves room",
+            soft_wrap=True,
+        )
 
 
 def trajectory_file(out: Path, case: Case, form: str) -> Path:

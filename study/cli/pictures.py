@@ -9,7 +9,8 @@ import typer
 
 from study.analysis.case_summary import summarise
 from study.cases.library import load_case
-from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, make_console, recording_file
+from study.cli.screen import make_console
+from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, recording_file
 from study.errors import StudyError
 from study.runs.execute import stored_results
 from study.runs.remembered import remembered_lineup

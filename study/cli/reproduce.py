@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,9 +12,11 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from study.cli.shared import DEFAULT_OUT, STORE_NAME, Dask, Fresh, Memory, Out, Workers, make_console, run_missing
+from study.cli.screen import make_console
+from study.cli.shared import DEFAULT_OUT, STORE_NAME, Dask, Fresh, Memory, Out, Workers, run_missing
 from study.datafiles import data_folder
 from study.errors import StudyError
+from study.files import as_written, csv_text, read_file, write_file
 from study.reproduction.book import PAPERS, SHORT, Entry, entries_of, jobs_of, paper_named
 from study.reproduction.effort import FULL, QUICK, Effort
 from study.reproduction.jobs import Runs
@@ -75,11 +78,8 @@ def key_of(entry: Entry) -> Key:
 
 def write_committed(entries: Sequence[Entry], path: Path) -> None:
     """Write the table of verdicts, one line for each printed number."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COMMITTED)
-        for entry in entries:
-            writer.writerow([*key_of(entry), entry.printed, entry.ruling.outcome.value])
+    rows = ([*key_of(entry), entry.printed, entry.ruling.outcome.value] for entry in entries)
+    write_file(path, csv_text([COMMITTED, *rows]))
 
 
 def read_committed(path: Path) -> dict[Key, str]:
@@ -94,8 +94,9 @@ def read_committed(path: Path) -> dict[Key, str]:
         raise StudyError(
             f"there is no table of verdicts at {str(path)!r}; write it with `study reproduce --all --commit`"
         )
-    with path.open(encoding="utf-8", newline="") as file:
-        return {(r["paper"], r["place"], r["row"], r["column"]): r["verdict"] for r in csv.DictReader(file)}
+    rows = csv.DictReader(io.StringIO(read_file(path).decode("utf-8"), newline=""))
+    keys = ("paper", "place", "row", "column")
+    return {tuple(as_written(row[key]) for key in keys): row["verdict"] for row in rows}  # type: ignore[misc]
 
 
 def changes(entries: Sequence[Entry], committed: dict[Key, str]) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
@@ -10,6 +9,7 @@ from typing import Annotated
 import typer
 
 from study.cases.library import Case, case_names, load_case
+from study.cli.screen import complain, make_console
 from study.cli.shared import (
     DEFAULT_OUT,
     STORE_NAME,
@@ -18,7 +18,6 @@ from study.cli.shared import (
     Memory,
     Out,
     Workers,
-    make_console,
     run_missing,
     show,
     watching,
@@ -173,4 +172,4 @@ def digest(out: Out = DEFAULT_OUT) -> None:
     with Store(out / STORE_NAME, write=False) as store:
         print(store.digest())
         if cut_short := store.cut_short():
-            print(f"study: {plural(cut_short, 'result')} decided by a time limit may differ elsewhere", file=sys.stderr)
+            complain(f"{plural(cut_short, 'result')} decided by a time limit may differ elsewhere")

@@ -92,15 +92,6 @@ class Watch:
     progress: Callable[[Any, Progress], None] | None = None
 
 
-def make_console() -> Console:
-    """Build the console: as wide as the terminal, or wide enough for all tables where there is none.
-
-    Names of joints and cases are people's own, so square brackets and colons in them mean nothing special.
-    """
-    console = Console(markup=False, emoji=False)
-    return console if console.is_terminal else Console(width=180, markup=False, emoji=False)
-
-
 def run_missing(
     jobs: Sequence[Job[Any]],
     store: Store,

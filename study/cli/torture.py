@@ -11,7 +11,7 @@ import typer
 from rich.table import Table
 
 from study.cli import terminal
-from study.cli.shared import make_console
+from study.cli.screen import make_console
 from study.errors import Interrupted, StudyError
 from study.registry import planner_named
 from study.runs.runner import default_jobs

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from study.comparison.contestants import Contestant
+from study.files import write_file
 from study.io.filenames import file_stem
 from study.problem import Floats
 
@@ -60,9 +61,8 @@ def _write(folder: Path, contestant: Contestant, number: int, dimension: int, wo
     name, case = file_stem(f"{contestant.planner}-{contestant.level}"), file_stem(contestant.case)
     data = Path(f"data_f{number}_{case}") / f"IOHprofiler_f{number}_DIM{dimension}.dat"
     home = folder / name
-    (home / data).parent.mkdir(parents=True, exist_ok=True)
     rows = [_rows(history, worst) for history in contestant.histories]
-    (home / data).write_text("".join(_block(run) for run in rows), encoding="utf-8", newline="\n")
+    write_file(home / data, "".join(_block(run) for run in rows))
     runs = [
         {"instance": seed + 1, "evals": int(spent), "best": {"evals": int(run[-1, 0]), "y": float(run[-1, 1]), "x": []}}
         for seed, (run, spent) in enumerate(zip(rows, contestant.spent, strict=True))
@@ -79,8 +79,7 @@ def _write(folder: Path, contestant: Contestant, number: int, dimension: int, wo
         "scenarios": [{"dimension": dimension, "path": data.as_posix(), "runs": runs}],
     }
     path = home / f"IOHprofiler_f{number}_{case}.json"
-    path.write_text(json.dumps(document, indent=1), encoding="utf-8", newline="\n")
-    return path
+    return write_file(path, json.dumps(document, indent=1))
 
 
 def _rows(history: Floats, worst: float) -> Floats:

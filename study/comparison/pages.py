@@ -17,6 +17,7 @@ from study.comparison.ioh import write_ioh
 from study.comparison.overview import limitations, summary
 from study.comparison.tables import Grid, records
 from study.errors import StudyError
+from study.files import write_file
 from study.report.rendering import render
 from study.runs.selections import YARDSTICKS
 
@@ -96,7 +97,7 @@ def write_pages(comparison: Comparison, out: Path, environment: Mapping[str, str
         for slug, page in built.items():
             context = {**vars(page), **shared, "current": slug, "pages": PAGES, "flags": comparison.audit.flags}
             text = render("comparison.html.j2", context, package="study.comparison")
-            (out / f"{slug}.html").write_text(text, encoding="utf-8", newline="\n")
+            write_file(out / f"{slug}.html", text)
     except OSError as error:
         raise StudyError(
             f"the comparison cannot be written to {str(out)!r}: {error.strerror}; choose another folder"

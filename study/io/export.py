@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections.abc import Callable
 from pathlib import Path
@@ -11,69 +10,27 @@ import numpy as np
 
 from study.cautions import require_bounded
 from study.errors import StudyError
+from study.files import csv_text, write_file
 from study.io.exact import exact_text
 from study.io.joint_trajectory import message_json, message_yaml
+from study.io.samples import Samples
+from study.io.sampling import Sampling
 from study.parametric import ParametricTrajectory
 from study.problem import Floats, Problem
 from study.trajectory import Motion
 
-FEW_SAMPLES, MANY_SAMPLES = 10, 100_000
-HIGHEST_RATE = 1e9
-"""Hz; a ROS message counts nanoseconds."""
-MOST_SAMPLES = 10_000_000
-"""More samples than this are taken for a mistake in the rate."""
+STEP = 1e-6
+"""Largest step in acceleration that is rounding, as a part of the largest acceleration."""
 
-
-def usual_rate(duration: float, rate: float = 100.0, most: int = MANY_SAMPLES) -> float:
-    """Samples per second where nobody chose: the usual ones, or ten, a hundred... times more or fewer.
-
-    Parameters
-    ----------
-    duration : float, s
-    rate : float, Hz
-        For motions of seconds and minutes.
-    most : int
-        Samples; at least 10 come, too, unless they lay less than a nanosecond apart.
-    """
-    while duration * rate > most:
-        rate /= 10.0
-    while duration * rate < FEW_SAMPLES and rate < HIGHEST_RATE:
-        rate *= 10.0
-    return rate
-
-
-def sample_times(duration: float, rate: float) -> Floats:
-    """Every 1/rate seconds from 0, and the end point.
-
-    Parameters
-    ----------
-    duration : float, s
-    rate : float, Hz
-
-    Returns
-    -------
-    array of shape (n_samples,), s
-
-    Raises
-    ------
-    StudyError
-        If the rate is not positive, or there would be more than ten million samples.
-    """
-    if not 0 < rate < np.inf:
-        raise StudyError(f"the rate must be a positive number of samples per second, got {rate:g}")
-    if duration * rate > MOST_SAMPLES:
-        raise StudyError(
-            f"{duration:g} s at {rate:g} samples per second are more than {MOST_SAMPLES} samples; lower the rate"
-        )
-    inner = np.arange(np.ceil(duration * rate)) / rate
-    return np.append(inner[inner < duration * (1 - 1e-12)], duration)
+SMALLEST = 1e-9
+"""Rates at both ends below this part of their largest value are rounding, and written as zero."""
 
 
 def write_motion(
     motion: Motion,
     problem: Problem,
     path: Path,
-    rate: float | None = None,
+    sampling: Sampling | None = None,
     *,
     accept_unbounded_acceleration: bool = False,
 ) -> Path:
@@ -85,11 +42,10 @@ def write_motion(
     problem : Problem
         Gives names to the joints.
     path : Path
-        `.csv`: samples of time, positions, velocities and accelerations; `.yaml` and `.json`: a ROS 2
-        `trajectory_msgs/JointTrajectory`; `.npz`: samples and exact coefficients as arrays; `.exact.json`: the piecewise
-        polynomials, which `study.io.exact.read_exact` gives back to the last bit.
-    rate : float, Hz, optional
-        Of the samples, `usual_rate` by default; the end point is always there.
+        `.csv`: samples of time, positions, velocities and, where they are continuous, accelerations; `.yaml` and `.json`: the
+        same as a ROS 2 `trajectory_msgs/JointTrajectory`; `.npz`: samples and exact coefficients as arrays; `.exact.json`: the
+        piecewise polynomials, which `study.io.exact.read_exact` gives back to the last bit.
+    sampling : Sampling, optional
     accept_unbounded_acceleration : bool
         Whether a motion may be written whose speed changes in an instant, which no arm can follow.
 
@@ -100,17 +56,46 @@ def write_motion(
     Raises
     ------
     StudyError
-        If the ending is another, the rate is impossible, the file cannot be written, or a joint that moves has no
+        If the ending is another, the sampling is impossible, the file cannot be written, or a joint that moves has no
         acceleration limit and that is not accepted.
     """
     require_bounded(problem, accept_unbounded_acceleration)
-    content = WRITERS[form_of(path)](motion, problem, usual_rate(motion.duration) if rate is None else rate)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
-    except OSError as error:
-        raise StudyError(f"cannot write {str(path)!r}: {error.strerror or error}; choose another place") from None
-    return path
+    form = form_of(path)
+    if form == ".exact.json":
+        return write_file(path, exact_text(motion, problem))
+    times = (sampling or Sampling()).times(motion, problem)
+    return write_file(path, WRITERS[form](points_of(motion, problem, times), motion, problem))
+
+
+def points_of(motion: Motion, problem: Problem, times: Floats) -> Samples:
+    """Samples as controllers take them: rates only where they are continuous, and exact zeros at both ends.
+
+    Parameters
+    ----------
+    motion : Motion
+    problem : Problem
+    times : array of shape (n_samples,), s
+    """
+    rates = [_zeroed(motion(times, order)) for order in (1, 2)]
+    smooth = [_continuous(motion, order, rate) for order, rate in enumerate(rates, start=1)]
+    return Samples(
+        positions=motion(times),
+        names=tuple(problem.joint_names),
+        si=True,
+        times=times,
+        velocities=rates[0] if smooth[0] else None,
+        accelerations=rates[1] if all(smooth) else None,
+    )
+
+
+def _continuous(motion: Motion, order: int, values: Floats) -> bool:
+    return bool(np.abs(motion.jumps(order)).max(initial=0.0) <= STEP * max(1.0, float(np.abs(values).max())))
+
+
+def _zeroed(values: Floats) -> Floats:
+    small = np.abs(values) <= SMALLEST * np.abs(values).max(initial=0.0)
+    small[1:-1] = False
+    return np.where(small, 0.0, values)
 
 
 def form_of(path: Path) -> str:
@@ -122,38 +107,36 @@ def form_of(path: Path) -> str:
         If there is no such form.
     """
     kind = ".exact.json" if path.name.endswith(".exact.json") else path.suffix.lower()
-    if kind not in WRITERS:
-        raise StudyError(f"cannot write {str(path)!r}: its name must end in one of {', '.join(WRITERS)}")
+    if kind not in FORMS:
+        raise StudyError(f"cannot write {str(path)!r}: its name must end in one of {', '.join(FORMS)}")
     return kind
 
 
-def csv_text(motion: Motion, problem: Problem, rate: float) -> str:
+def samples_text(samples: Samples, motion: Motion, problem: Problem) -> str:
     """Samples as `study check` reads them: time, then positions, velocities and accelerations of all joints."""
-    times = sample_times(motion.duration, rate)
-    names = [f"{kind}{name}" for kind in ("", "velocity of ", "acceleration of ") for name in problem.joint_names]
-    table = np.hstack([times[:, None], *(motion(times, order) for order in range(3))])
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["time", *names])
-    writer.writerows([repr(value) for value in row] for row in table.tolist())
-    return text.getvalue()
+    columns = [samples.positions, *samples.rates]
+    kinds = ("", "velocity of ", "acceleration of ")[: len(columns)]
+    header = ["time", *(f"{kind}{name}" for kind in kinds for name in samples.names)]
+    table = np.column_stack([np.asarray(samples.times), *columns])
+    return csv_text([header, *([repr(value) for value in row] for row in table.tolist())])
 
 
-def npz_bytes(motion: Motion, problem: Problem, rate: float) -> bytes:
-    """Samples under `time`, `position`, `velocity`, `acceleration` and `jerk`, and what makes the motion exact."""
-    times = sample_times(motion.duration, rate)
-    orders = dict(zip(("position", "velocity", "acceleration", "jerk"), range(4), strict=True))
-    arrays = {name: motion(times, order) for name, order in orders.items()}
+def npz_bytes(samples: Samples, motion: Motion, problem: Problem) -> bytes:
+    """Samples under `time`, `position`, `velocity`, `acceleration` and `jerk`, and the exact coefficients."""
+    times = np.asarray(samples.times)
     exact = {name: np.asarray(getattr(motion, part)) for name, part in _parts(motion).items()}
     buffer = io.BytesIO()
     np.savez(
         buffer,
         allow_pickle=False,
         time=times,
+        position=samples.positions,
+        velocity=_zeroed(motion(times, 1)),
+        acceleration=_zeroed(motion(times, 2)),
+        jerk=motion(times, 3),
         joint_names=np.array(problem.joint_names),
         waypoints=problem.waypoints,
         waypoint_times=motion.waypoint_times,
-        **arrays,
         **exact,
     )
     return buffer.getvalue()
@@ -166,11 +149,11 @@ def _parts(motion: Motion) -> dict[str, str]:
     return {"knots": "knots", "coefficients": "coefficients"}
 
 
-WRITERS: dict[str, Callable[[Motion, Problem, float], bytes]] = {
-    ".csv": lambda motion, problem, rate: csv_text(motion, problem, rate).encode(),
-    ".yaml": lambda motion, problem, rate: message_yaml(motion, problem, sample_times(motion.duration, rate)).encode(),
-    ".yml": lambda motion, problem, rate: message_yaml(motion, problem, sample_times(motion.duration, rate)).encode(),
-    ".json": lambda motion, problem, rate: message_json(motion, problem, sample_times(motion.duration, rate)).encode(),
+WRITERS: dict[str, Callable[[Samples, Motion, Problem], str | bytes]] = {
+    ".csv": samples_text,
+    ".yaml": lambda samples, motion, problem: message_yaml(samples),
+    ".yml": lambda samples, motion, problem: message_yaml(samples),
+    ".json": lambda samples, motion, problem: message_json(samples),
     ".npz": npz_bytes,
-    ".exact.json": lambda motion, problem, rate: exact_text(motion, problem).encode(),
 }
+FORMS = (*WRITERS, ".exact.json")

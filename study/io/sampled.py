@@ -1,21 +1,38 @@
-"""A motion from samples in a CSV file, so that anyone's trajectory can be put before the judge."""
+"""A motion from samples, joined as controllers join them, so that anyone's trajectory can be put before the judge."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from enum import StrEnum
 
 import numpy as np
 from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline, PPoly
 
-from study import polynomial
-from study.errors import StudyError, unknown
-from study.io.table import csv_cells, decimal
+from study.errors import StudyError
+from study.io.passages import passages
+from study.io.samples import Samples
 from study.problem import EndCondition, Floats, Problem
 from study.trajectory import Trajectory
 
-UNITS = ("rad", "deg")
-_NEAREST = 64  # pieces looked at for each waypoint
+
+class Interpolation(StrEnum):
+    """Ways to join samples; ros2_controllers takes the one that the given rates allow."""
+
+    LINEAR = "linear"
+    CUBIC = "cubic"
+    QUINTIC = "quintic"
+    SPLINE = "spline"
+
+
+SENTENCES = {
+    Interpolation.LINEAR: "positions joined by straight lines",
+    Interpolation.CUBIC: "positions and velocities: cubic Hermite pieces",
+    Interpolation.QUINTIC: "positions, velocities and accelerations: quintic Hermite pieces",
+    Interpolation.SPLINE: "positions only: a cubic spline with continuous acceleration",
+}
+NEEDS = {Interpolation.LINEAR: 0, Interpolation.CUBIC: 1, Interpolation.QUINTIC: 2, Interpolation.SPLINE: 0}
+"""Rates that an interpolation needs beside positions."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,165 +43,105 @@ class SampledMotion:
     method: str
 
 
-def read_motion(
-    path: Path, problem: Problem, units: str = "rad", angular: tuple[bool, ...] | None = None
-) -> SampledMotion:
-    """Read samples and join them by polynomials.
+def joined(samples: Samples, problem: Problem, where: str, interpolation: Interpolation | None = None) -> SampledMotion:
+    """Join samples by polynomials.
 
     Parameters
     ----------
-    path : Path
-        CSV with the columns time (s), one position per joint and, optionally, one velocity and then one acceleration
-        per joint; a header line is allowed.
+    samples : Samples
+        In rad, m and s, its columns in the order of the problem's joints.
     problem : Problem
-    units : str
-        `rad`: SI units; `deg`: angles in degrees, and their rates per second.
-    angular : tuple of bool, optional
-        Which joints are angles; all by default.
+    where : str
+        How a message begins.
+    interpolation : Interpolation, optional
+        By default positions alone make a cubic spline with continuous acceleration, positions and velocities a cubic, and
+        accelerations too a quintic Hermite polynomial between samples.
 
     Returns
     -------
     SampledMotion
-        Positions alone make a cubic spline with continuous acceleration, positions and velocities a cubic, and
-        accelerations too a quintic Hermite polynomial between samples. Waypoints are passed where the motion comes closest
-        to them, in their order.
+        Waypoints are passed where the motion comes closest to them, in their order.
 
     Raises
     ------
     StudyError
-        If the file cannot be read, is not a table of numbers with the right columns, or times do not increase.
+        If there are fewer than two samples, times are missing or do not increase, or the rates for an interpolation are
+        missing.
     """
-    if units not in UNITS:
-        raise unknown("unit", units, UNITS)
-    table = _table(path, problem.n_joints)
-    if units == "deg":
-        turning = np.array(angular if angular is not None else (True,) * problem.n_joints)
-        factors = np.where(turning, np.pi / 180.0, 1.0)
-        table[:, 1:] *= np.tile(factors, (table.shape[1] - 1) // problem.n_joints)
-    times = table[:, 0] - table[0, 0]
-    samples = [
-        table[:, 1 + k * problem.n_joints : 1 + (k + 1) * problem.n_joints] for k in range(_orders(table, problem))
-    ]
-    pieces, method = _interpolated(times, samples, problem.end)
+    times, rates = _times(samples, where), samples.rates
+    chosen = interpolation or (Interpolation.SPLINE, Interpolation.CUBIC, Interpolation.QUINTIC)[len(rates)]
+    if NEEDS[chosen] > len(rates):
+        lacking = ("velocities", "accelerations")[len(rates)]
+        raise StudyError(f"{where} has no {lacking}, which {chosen} interpolation needs")
+    try:
+        with np.errstate(all="ignore"):
+            pieces, said = _pieces(times, [samples.positions, *rates[: NEEDS[chosen]]], chosen, problem.end)
+    except ValueError as error:
+        raise StudyError(f"{where}: these samples cannot be joined in finite numbers: {error}") from None
     coefficients = np.moveaxis(pieces.c[::-1], 0, 1)
-    return SampledMotion(Trajectory(times, coefficients, passages(times, coefficients, problem.waypoints)), method)
-
-
-def _orders(table: Floats, problem: Problem) -> int:
-    return (table.shape[1] - 1) // problem.n_joints
-
-
-def _table(path: Path, n_joints: int) -> Floats:
-    rows = _rows(path)
-    if len(rows) < 2:
-        raise StudyError(f"file {path}: at least two samples are needed, got {len(rows)}")
-    allowed = [1 + k * n_joints for k in (1, 2, 3)]
-    for number, row in rows:
-        if len(row) not in allowed or len(row) != len(rows[0][1]):
-            raise StudyError(
-                f"file {path}, line {number}: expected {', '.join(map(str, allowed[:-1]))} or {allowed[-1]} columns (time, then "
-                f"positions, velocities, accelerations of {n_joints} joints), the same on every line, got {len(row)}"
-            )
-    table = np.array([[_number(path, number, text) for text in row] for number, row in rows])
-    late = np.flatnonzero(np.diff(table[:, 0]) <= 0)
-    if late.size:
-        row = late[0]
+    if not np.isfinite(coefficients).all():
         raise StudyError(
-            f"file {path}, line {rows[row + 1][0]}: times must increase, got {table[row + 1, 0]:g} s after {table[row, 0]:g} s"
+            f"{where}: these samples cannot be joined in finite numbers; look for steps in positions or times"
         )
-    return table
+    return SampledMotion(Trajectory(times, coefficients, passages(times, coefficients, problem.waypoints)), said)
 
 
-def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not a text file"
-        raise StudyError(f"cannot read file {path}: {reason}") from error
-    rows = csv_cells(text)
-    return rows[1:] if rows and not _numeric(rows[0][1][0]) else rows
+def _times(samples: Samples, where: str) -> Floats:
+    if len(samples.positions) < 2:
+        raise StudyError(f"{where}: at least two samples are needed, got {len(samples.positions)}")
+    if samples.times is None:
+        raise StudyError(f"{where} has no times; give a column 'time' in seconds")
+    times = samples.times - samples.times[0]
+    late = np.flatnonzero(np.diff(times) <= 0)
+    if late.size:
+        row = int(late[0])
+        raise StudyError(
+            f"{where}: times must increase, but sample {row + 2} has {samples.times[row + 1]:g} s after "
+            f"{samples.times[row]:g} s"
+        )
+    return times
 
 
-def _numeric(text: str) -> bool:
-    try:
-        decimal(text)
-    except ValueError:
-        return False
-    return True
-
-
-def _number(path: Path, line: int, text: str) -> float:
-    value = decimal(text) if _numeric(text) else np.nan
-    if not np.isfinite(value):
-        raise StudyError(f"file {path}, line {line}: expected a finite number, got {text.strip()!r}")
-    return value
-
-
-def _interpolated(times: Floats, samples: list[Floats], end: EndCondition) -> tuple[PPoly[np.float64], str]:
-    if len(samples) == 3:
-        bernstein = BPoly.from_derivatives(times, np.stack(samples, axis=1))
-        return PPoly.from_bernstein_basis(bernstein), "positions, velocities and accelerations: quintic Hermite pieces"
-    if len(samples) == 2:
-        return CubicHermiteSpline(times, samples[0], samples[1]), "positions and velocities: cubic Hermite pieces"
-    said = "positions only: a cubic spline with continuous acceleration"
+def _pieces(
+    times: Floats, orders: Sequence[Floats], chosen: Interpolation, end: EndCondition
+) -> tuple[PPoly[np.float64], str]:
+    said = SENTENCES[chosen]
+    if chosen is Interpolation.LINEAR:
+        slopes = np.diff(orders[0], axis=0) / np.diff(times)[:, None]
+        return PPoly(np.stack([slopes, orders[0][:-1]]), times), said
+    if chosen is Interpolation.QUINTIC:
+        return PPoly.from_bernstein_basis(BPoly.from_derivatives(times, np.stack(orders, axis=1))), said
+    if chosen is Interpolation.CUBIC:
+        return CubicHermiteSpline(times, orders[0], orders[1]), said
     if end is EndCondition.FREE:
-        return CubicSpline(times, samples[0], bc_type="not-a-knot"), f"{said}, its ends as the samples suggest"
-    return CubicSpline(times, samples[0], bc_type="clamped"), f"{said}, taken to be at rest at both ends"
+        return CubicSpline(times, orders[0], bc_type="not-a-knot"), f"{said}, its ends as the samples suggest"
+    return CubicSpline(times, orders[0], bc_type="clamped"), f"{said}, taken to be at rest at both ends"
 
 
-def passages(knots: Floats, coefficients: Floats, waypoints: Floats) -> Floats:
-    """Find when a piecewise polynomial comes closest to waypoints, in their order.
+def sample_use(samples: Samples, problem: Problem) -> list[tuple[float, str]]:
+    """Largest share of each limit at the samples themselves, whatever happens between them.
 
-    The first waypoint belongs to the first instant and the last one to the last. Of all increasing sequences of closest
-    passages the one with the smallest sum of distances is taken.
-
-    Parameters
-    ----------
-    knots : array of shape (n_pieces + 1,), s
-    coefficients : array of shape (n_pieces, degree + 1, n_joints)
-        Ascending powers of the time since the piece's first knot.
-    waypoints : array of shape (n_waypoints, n_joints)
+    Rates that the file does not give are differences of neighbours.
 
     Returns
     -------
-    array of shape (n_waypoints,), s
+    list of tuple of (float, str)
+        Share and sentence for velocity and acceleration; positions outside the range count as an infinite share.
     """
-    span = np.ptp(waypoints, axis=0)
-    unit = np.moveaxis(coefficients, 1, 2) / np.where(span > 0, span, 1.0)[:, None]
-    widths = np.diff(knots)
-    unit = unit * widths[:, None, None] ** np.arange(unit.shape[2])
-    targets = waypoints / np.where(span > 0, span, 1.0)
-    found = [_closest(knots, widths, unit, target) for target in targets[1:-1]]
-    return np.array([knots[0], *_in_order(found), knots[-1]])
-
-
-def _closest(knots: Floats, widths: Floats, unit: Floats, target: Floats) -> tuple[Floats, Floats]:
-    """Times of the closest passages of one waypoint in time order, and the distances there."""
-    offset = unit.copy()
-    offset[:, :, 0] -= target
-    distance = np.linalg.norm(offset[:, :, 0], axis=1)
-    near = np.sort(np.argsort(distance + np.append(distance[1:], distance[-1]), kind="stable")[:_NEAREST])
-    slope = polynomial.product(offset[near], polynomial.derivative(offset[near])).sum(axis=1)
-    points = np.sort(np.pad(polynomial.roots(slope), ((0, 0), (1, 1)), constant_values=((0, 0), (0, 1))), axis=1)
-    there = polynomial.value(offset[near][:, :, None, :], points[:, None, :])
-    times = knots[near][:, None] + points * widths[near][:, None]
-    return times.ravel(), np.linalg.norm(there, axis=1).ravel()
-
-
-def _in_order(found: list[tuple[Floats, Floats]]) -> list[float]:
-    """Pick one time for each waypoint, never decreasing, with the smallest sum of distances."""
-    totals, choices = np.zeros(1), []
-    before = np.array([-np.inf])
-    for times, distances in found:
-        running = np.minimum.accumulate(totals)
-        best = np.array([int(np.flatnonzero(totals[: i + 1] == running[i])[0]) for i in range(len(totals))])
-        last = np.searchsorted(before, times, side="right") - 1
-        reachable = last >= 0
-        choices.append(np.where(reachable, best[last], -1))
-        totals = np.where(reachable, running[last] + distances, np.inf)
-        before = times
-    picked, index = [], int(totals.argmin())
-    for (times, _), choice in zip(reversed(found), reversed(choices), strict=True):
-        picked.append(float(times[index]))
-        index = int(choice[index])
-    return picked[::-1]
+    times = _times(samples, "the motion")
+    given = [*samples.rates]
+    while len(given) < 2:
+        given.append(np.gradient((samples.positions, *given)[len(given)], times, axis=0))
+    uses = []
+    for order, (name, values) in enumerate(zip(("velocity", "acceleration"), given, strict=True)):
+        highest, lowest = problem.limits.highest_rates[order], problem.limits.lowest_rates[order]
+        shares = np.maximum(values / highest, values / lowest)
+        row, joint = (int(k) for k in np.unravel_index(int(shares.argmax()), shares.shape))
+        sentence = f"{name} of {problem.joint_names[joint]} reaches {shares[row, joint]:.6g} of its limit at {times[row]:.4f} s"
+        uses.append((float(shares[row, joint]), sentence))
+    excess = np.maximum(problem.limits.lower - samples.positions, samples.positions - problem.limits.upper)
+    row, joint = (int(k) for k in np.unravel_index(int(excess.argmax()), excess.shape))
+    if excess[row, joint] > problem.position_tolerance[joint]:
+        name = problem.joint_names[joint]
+        uses.append((np.inf, f"{name} leaves its range by {excess[row, joint]:.3g} at {times[row]:.4f} s"))
+    return uses

@@ -1,66 +1,17 @@
-"""Tables of numbers as people write them: cells of a CSV file, rows of YAML or JSON, decimal commas, increasing times."""
+"""Tables of numbers as people write them: cells of CSV, rows of YAML, decimal commas, times in order."""
 
 from __future__ import annotations
 
 import csv
-import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
 from study.errors import StudyError, plural
-from study.io.text import read_text
 from study.problem import Floats
-
-
-@dataclass(frozen=True, eq=False)
-class WaypointRows:
-    """Waypoints as a file gives them.
-
-    Attributes
-    ----------
-    values : array of shape (n_waypoints, n_joints)
-    names : tuple of str
-        Of the joints; empty where the file gives none.
-    si : bool
-        Whether the file's format says that they are rad and m.
-    """
-
-    values: Floats
-    names: tuple[str, ...] = ()
-    si: bool = False
-
-
-def parsed(path: Path) -> Any:
-    """Parse a YAML or JSON file.
-
-    Raises
-    ------
-    StudyError
-        If it is neither, or the package that reads YAML is missing.
-    """
-    text, where = read_text(path), f"file {str(path)!r}"
-    if path.suffix.lower() == ".json":
-        try:
-            return json.loads(text)
-        except (json.JSONDecodeError, RecursionError) as error:
-            line = f" at line {error.lineno}" if isinstance(error, json.JSONDecodeError) else ""
-            raise StudyError(f"{where} is not valid JSON{line}: {getattr(error, 'msg', 'nested too deeply')}") from None
-    try:
-        import yaml
-    except ModuleNotFoundError:
-        raise StudyError(f"{where}: reading YAML needs the package 'pyyaml'; pip install pyyaml, or use JSON") from None
-    try:
-        return yaml.safe_load(text)
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        mark = getattr(error, "problem_mark", None)
-        line = f" at line {mark.line + 1}" if mark else ""
-        reason = getattr(error, "problem", None) or "it could not be parsed"
-        raise StudyError(f"{where} is not valid YAML{line}: {reason}") from None
 
 
 def table(rows: Sequence[Any], where: str) -> Floats:
@@ -78,7 +29,24 @@ def table(rows: Sequence[Any], where: str) -> Floats:
             raise StudyError(f"{where}: waypoint {line} must be a list of numbers, got {str(row)[:60]!r}")
         if len(row) != len(rows[0]):
             raise StudyError(f"{where}: waypoint {line} has {plural(len(row), 'number')}, the first has {len(rows[0])}")
-    return np.array([[number(value, f"{where}: waypoint {i}") for value in row] for i, row in enumerate(rows, 1)])
+    return numbers(rows, [f"{where}: waypoint {line}" for line in range(1, len(rows) + 1)])
+
+
+def numbers(rows: Sequence[Sequence[Any]], places: Sequence[str]) -> Floats:
+    """Make an array of rows of one length, shape (n_rows, n_columns); `places` begin the message about each row.
+
+    Raises
+    ------
+    StudyError
+        If something is not a finite number.
+    """
+    plain = {str} if isinstance(rows[0][0], str) else {float, int}
+    if all(type(value) in plain for row in rows for value in row):
+        with suppress(ValueError, OverflowError):  # then one by one, which knows decimal commas and names the place
+            values = np.array(rows, dtype=str if plain == {str} else float).astype(float)
+            if np.isfinite(values).all():
+                return values
+    return np.array([[number(value, place) for value in row] for row, place in zip(rows, places, strict=True)])
 
 
 def increasing(times: Floats, where: str, what: str) -> None:
@@ -91,17 +59,31 @@ def increasing(times: Floats, where: str, what: str) -> None:
         )
 
 
-def csv_cells(text: str) -> list[tuple[int, list[str]]]:
-    """Split a table into cells, each line with its number.
+def csv_cells(text: str, where: str) -> list[tuple[int, list[str]]]:
+    """Split a table into cells, each line with its number; lines without content are left out.
 
     Semicolons separate columns if there are any, else tabs, else commas, else blanks; `#` begins a comment.
+
+    Raises
+    ------
+    StudyError
+        If a cell is too long.
     """
-    lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.split("#")[0].strip()]
-    bare = [re.sub(r'"[^"]*"', "", line) for _, line in lines]
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.split("#", 1)[0].strip()]
+    quoted = '"' in text
+    bare = [re.sub(r'"[^"]*"', "", line) for _, line in lines] if quoted else [line for _, line in lines]
     mark = next((mark for mark in (";", "\t", ",") if any(mark in line for line in bare)), None)
+    try:
+        cells = [(n, _split(line, mark) if quoted else line.split(mark)) for n, line in lines]
+    except csv.Error as error:
+        raise StudyError(f"{where} is no table: {error}") from None
+    return [(n, row) for n, row in cells if any(cell.strip() for cell in row)]
+
+
+def _split(line: str, mark: str | None) -> list[str]:
     if mark is None:
-        return [(n, line.split()) if '"' not in line else (n, next(csv.reader([line]))) for n, line in lines]
-    return [(n, next(csv.reader([line], delimiter=mark, skipinitialspace=True))) for n, line in lines]
+        return next(csv.reader([line])) if '"' in line else line.split()
+    return next(csv.reader([line], delimiter=mark, skipinitialspace=True))
 
 
 def decimal(text: str) -> float:

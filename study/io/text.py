@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from study.errors import StudyError
+from study.files import read_file
 
 MARKS = ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
 """How a file says that it is not UTF-8, as spreadsheet programs do."""
@@ -16,15 +17,9 @@ def read_text(path: Path) -> str:
     Raises
     ------
     StudyError
-        If the file is missing, a folder, not readable or not text.
+        If the file is missing, no regular file, too large, not readable or not text.
     """
-    try:
-        raw = path.read_bytes()
-    except FileNotFoundError:
-        raise StudyError(f"file {str(path)!r} does not exist; check the path") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise StudyError(f"file {str(path)!r} cannot be read: {reason}") from None
+    raw = read_file(path)
     encoding = next((name for mark, name in MARKS if raw.startswith(mark)), "utf-8-sig")
     try:
         text = raw.decode(encoding)

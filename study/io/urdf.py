@@ -8,18 +8,29 @@ ROS, urdf/XML/link: visual, its origin, geometry/mesh filename and scale.
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET  # files with a DOCTYPE, the way in for entity attacks, are refused
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from study.errors import StudyError, unknown
-from study.io.text import read_text
+from study.io.xml_file import read_xml
 from study.problem import Floats
 
 MOVING = ("revolute", "continuous", "prismatic")
+SEVERAL = ("planar", "floating")
+"""Kinds of joints with several degrees of freedom, which no list of positions holds; they stand still here."""
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """Rule by which a joint follows another: position = multiplier * position of `joint` + offset."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +45,8 @@ class UrdfJoint:
     axis : array of shape (3,)
         Of unit length, in the joint's frame.
     velocity, lower, upper : float, optional, rad or m and s
+        The range is the soft one of a safety controller where that is narrower.
+    mimic : Mimic, optional
     """
 
     name: str
@@ -45,6 +58,7 @@ class UrdfJoint:
     velocity: float | None
     lower: float | None
     upper: float | None
+    mimic: Mimic | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,11 +83,12 @@ class UrdfMesh:
 
 @dataclass(frozen=True, eq=False)
 class Urdf:
-    """A robot description: its name, and joints and meshes in the file's order."""
+    """A robot description: its name, joints and meshes in the file's order, and notes on how they were taken."""
 
     name: str
     joints: tuple[UrdfJoint, ...]
     meshes: tuple[UrdfMesh, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def moving(self) -> tuple[UrdfJoint, ...]:
@@ -92,6 +107,11 @@ class Urdf:
         for name in names:
             if name not in by_name:
                 raise unknown(f"joint in URDF {self.name!r}:", name, by_name)
+            if by_name[name].kind in SEVERAL:
+                raise StudyError(
+                    f"URDF {self.name!r}: joint {name!r} is {by_name[name].kind} and has several degrees of freedom; name joints "
+                    "that turn or slide"
+                )
         path = self.above(by_name[names[-1]].child)
         if [joint.name for joint in path if joint.name in names] != list(names):
             raise StudyError(f"URDF {self.name!r}: joints {', '.join(names)} do not follow each other on one chain")
@@ -123,18 +143,11 @@ def read_urdf(path: Path) -> Urdf:
     StudyError
         If the file cannot be read, is not URDF, or a joint is incomplete.
     """
-    text, where = read_text(path), f"file {path.name!r}"
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise StudyError(f"{where} declares a DOCTYPE; remove it, URDF needs none")
-    try:
-        root = ET.fromstring(text.encode("utf-8") if text.lstrip().startswith("<?xml") else text)  # noqa: S314
-    except ET.ParseError as error:
-        raise StudyError(f"{where} is not valid XML: {error}") from None
+    where = f"file {path.name!r}"
+    root, notes = read_xml(path), list[str]()
     if root.tag != "robot":
         raise StudyError(f"{where} is not URDF: its outermost element is {root.tag!r}, expected 'robot'")
-    if path.suffix == ".xacro" or any("xacro" in str(element.tag) for element in root.iter()):
-        raise StudyError(f"{where} holds xacro macros; expand it first with: xacro {path.name} > robot.urdf")
-    joints = tuple(_joint(element, where) for element in root.findall("joint"))
+    joints = tuple(_joint(element, where, notes) for element in root.findall("joint"))
     if not joints:
         raise StudyError(f"{where} has no joints; give the URDF of an arm")
     meshes = tuple(
@@ -143,10 +156,10 @@ def read_urdf(path: Path) -> Urdf:
         for visual in link.findall("visual")
         if (mesh := visual.find("geometry/mesh")) is not None
     )
-    return Urdf(root.get("name", path.stem), joints, meshes)
+    return Urdf(root.get("name", path.stem), joints, meshes, tuple(notes))
 
 
-def _joint(element: ET.Element, where: str) -> UrdfJoint:
+def _joint(element: ET.Element, where: str, notes: list[str]) -> UrdfJoint:
     name, kind = element.get("name"), element.get("type")
     if name is None or kind is None:
         raise StudyError(f"{where}: a joint needs a name and a type, got {name!r} and {kind!r}")
@@ -154,19 +167,50 @@ def _joint(element: ET.Element, where: str) -> UrdfJoint:
     links = [found.get("link") if (found := element.find(end)) is not None else None for end in ("parent", "child")]
     if links[0] is None or links[1] is None:
         raise StudyError(f"{here}: it needs a parent link and a child link")
-    limit = element.find("limit")
-    values = {key: _number(limit, key, here) for key in ("velocity", "lower", "upper")}
-    if kind == "continuous":
-        values["lower"] = values["upper"] = None
-    elif kind in MOVING and limit is not None and (limit.get("lower") is None) != (limit.get("upper") is None):
-        values = values | {key: values[key] or 0.0 for key in ("lower", "upper")}  # URDF: what is left out is 0
+    values = _limits(element, kind, here, notes)
     origin = element.find("origin")
     offset, angles = _triple(origin, "xyz", (0, 0, 0), here), _triple(origin, "rpy", (0, 0, 0), here)
     axis = _triple(element.find("axis"), "xyz", (1, 0, 0), here)
     if kind in MOVING and not np.linalg.norm(axis):
         raise StudyError(f"{here}: its axis has no length")
     axis = axis / (np.linalg.norm(axis) or 1.0)
-    return UrdfJoint(name, kind, links[0], links[1], _transform(offset, angles), axis, **values)
+    return UrdfJoint(
+        name, kind, links[0], links[1], _transform(offset, angles), axis, **values, mimic=_mimic(element, here)
+    )
+
+
+def _limits(element: ET.Element, kind: str, where: str, notes: list[str]) -> dict[str, float | None]:
+    """Velocity, lower and upper end; what cannot be meant is no limit, with a note."""
+    limit, safety = element.find("limit"), element.find("safety_controller")
+    values = {key: _number(limit, key, where) for key in ("velocity", "lower", "upper")}
+    if kind not in MOVING:
+        notes += [f"{where} is {kind}, with several degrees of freedom, and stands still"] if kind in SEVERAL else []
+        return values
+    if values["velocity"] == 0:
+        notes.append(f"{where}: velocity 0 is taken as not stated")
+        values["velocity"] = None
+    if kind == "continuous":
+        return values | {"lower": None, "upper": None}
+    if limit is not None and (limit.get("lower") is None) != (limit.get("upper") is None):
+        values |= {key: values[key] or 0.0 for key in ("lower", "upper")}  # URDF: what is left out is 0
+    for key, soft, choose in (("lower", "soft_lower_limit", max), ("upper", "soft_upper_limit", min)):
+        end = _number(safety, soft, where)
+        stated = values[key]
+        if end is not None and stated is not None and choose(end, stated) != stated:
+            notes.append(f"{where}: {key} end of its range is the safety controller's, {end:g}, not {stated:g}")
+            values[key] = end
+    if values["lower"] is not None and values["lower"] == values["upper"]:
+        notes.append(f"{where}: a range from {values['lower']:g} to {values['upper']:g} is taken as not stated")
+        values |= {"lower": None, "upper": None}
+    return values
+
+
+def _mimic(element: ET.Element, where: str) -> Mimic | None:
+    mimic = element.find("mimic")
+    if mimic is None:
+        return None
+    multiplier, offset = _number(mimic, "multiplier", where), _number(mimic, "offset", where)
+    return Mimic(mimic.get("joint", ""), 1.0 if multiplier is None else multiplier, offset or 0.0)
 
 
 def _mesh(link: str, visual: ET.Element, mesh: ET.Element, where: str) -> UrdfMesh:
@@ -183,6 +227,8 @@ def _number(element: ET.Element | None, key: str, where: str) -> float | None:
         value = float(text)
     except ValueError:
         value = np.nan
+    if np.isinf(value) and key in ("velocity", "lower", "upper"):
+        return None  # no limit, as some exporters write it
     if not np.isfinite(value):
         raise StudyError(f"{where}: {key!r} must be a finite number, got {text!r}")
     return value

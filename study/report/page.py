@@ -21,6 +21,7 @@ from study.cases.library import Case
 from study.cases.papers import paper_of
 from study.cautions import ends_said
 from study.errors import StudyError
+from study.files import write_file
 from study.io.filenames import file_stem
 from study.judge import RATES, TOLERANCE
 from study.planning import Freedom
@@ -120,7 +121,7 @@ def build_report(
             write_motions(out / "tables" / report.slug, report.summary, report.motions)
         write_tables(out / "tables", "all", summaries, sources)
         for name, text in pages.items():
-            (out / f"{name}.html").write_text(text, encoding="utf-8", newline="\n")
+            write_file(out / f"{name}.html", text)
     except OSError as error:
         raise StudyError(
             f"the report cannot be written to {str(out)!r}: {error.strerror}; choose another folder"
@@ -145,7 +146,7 @@ def write_viewers(scripts: Mapping[str, Sequence[str]], cases: Mapping[str, Case
     """Write a page with the viewer inside for every case of `cases`, which like `scripts` is by the page's stem."""
     for slug, needed in scripts.items():
         text = _render("viewer.html.j2", {"slug": slug, "case": cases[slug], "scripts": needed})
-        (out / f"{slug}-viewer.html").write_text(text, encoding="utf-8", newline="\n")
+        write_file(out / f"{slug}-viewer.html", text)
 
 
 def slugs(cases: Iterable[Case]) -> dict[str, Case]:

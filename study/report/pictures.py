@@ -14,6 +14,7 @@ from PIL import Image
 from study.analysis.case_summary import CaseSummary
 from study.analysis.featured import ROLE_NAMES
 from study.errors import StudyError
+from study.files import write_file
 from study.report import figures
 from study.report.page import featured_series, ladder_figure
 
@@ -66,13 +67,7 @@ def write_pictures(folder: Path, name: str, contents: Mapping[str, bytes]) -> li
     StudyError
         If the folder cannot be written.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for file, content in contents.items():
-            (folder / f"{name}-{file}").write_bytes(content)
-    except OSError as error:
-        raise StudyError(f"pictures cannot be written to {str(folder)!r}: {error.strerror}") from None
-    return [folder / f"{name}-{file}" for file in contents]
+    return [write_file(folder / f"{name}-{file}", content) for file, content in contents.items()]
 
 
 def standalone(svg: str, title: str, legend: Sequence[tuple[int, str]]) -> str:

@@ -11,6 +11,7 @@ from study.analysis.formatting import DASH, percent, seconds
 from study.analysis.methods import Kind, MethodSummary, lower_bound
 from study.analysis.sentences import answer
 from study.errors import StudyError
+from study.files import write_file
 
 BEGIN, END = "<!-- answer -->", "<!-- /answer -->"
 COLUMNS = ("published", "search", "optimiser", "fixed", "free")
@@ -56,6 +57,6 @@ def put_answer(path: Path, text: str) -> None:
         if old.count(BEGIN) != 1 or old.count(END) != 1 or old.index(BEGIN) > old.index(END):
             raise StudyError(f"{str(path)!r} needs the marks {BEGIN} and {END} once each, in this order")
         before, after = old[: old.index(BEGIN)], old[old.index(END) :]
-        path.write_text(f"{before}{BEGIN}\n{text}\n{after}", encoding="utf-8", newline="\n")
+        write_file(path, f"{before}{BEGIN}\n{text}\n{after}")
     except (OSError, UnicodeDecodeError) as error:
         raise StudyError(f"the answer cannot be put into {str(path)!r}: {error}") from None

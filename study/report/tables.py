@@ -13,8 +13,9 @@ from study.analysis.formatting import DASH, bare_seconds, count, percent, share,
 from study.analysis.methods import Kind, MethodSummary
 from study.analysis.tables import Record, Value, write_table
 from study.cases.library import Case
-from study.io.export import usual_rate, write_motion
+from study.io.export import write_motion
 from study.io.filenames import file_stem
+from study.io.sampling import Sampling, usual_rate
 from study.judge import RATES
 from study.runs.lineup import QUICK_EVALUATIONS, TIME_LIMIT
 
@@ -260,6 +261,6 @@ def write_motions(folder: Path, summary: CaseSummary, files: Mapping[str, str]) 
                 method.motion,
                 summary.case.problem,
                 folder / files[method.label],
-                rate,
+                Sampling(rate),
                 accept_unbounded_acceleration=True,
             )

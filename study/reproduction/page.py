@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from markupsafe import Markup
 from study.cases.ledger import ledger
 from study.cases.library import load_case
 from study.cases.published import Table, papers, tables
-from study.errors import StudyError
+from study.files import csv_text, write_file
 from study.report import figures as report_figures
 from study.report.plot_style import Series
 from study.report.rendering import render
@@ -118,7 +117,7 @@ def write_paper(
             "environment": environment,
         },
     )
-    _write(out / f"{paper}.html", text)
+    write_file(out / f"{paper}.html", text)
     write_cells(out / f"{paper}.csv", entries)
     return out / f"{paper}.html"
 
@@ -143,7 +142,7 @@ def write_index(
         "linked": linked,
         "environment": environment,
     }
-    _write(out / "index.html", _render("index_reproduction.html.j2", context))
+    write_file(out / "index.html", _render("index_reproduction.html.j2", context))
     write_cells(out / "verdicts.csv", [entry for found in entries.values() for entry in found])
     return out / "index.html"
 
@@ -156,14 +155,7 @@ def write_cells(path: Path, entries: Iterable[Entry]) -> None:
     StudyError
         If the file cannot be written.
     """
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(COLUMNS)
-            writer.writerows(_record(entry) for entry in entries)
-    except OSError as error:
-        raise StudyError(f"cells cannot be written to {str(path)!r}: {error.strerror}; choose another folder") from None
+    write_file(path, csv_text([COLUMNS, *map(_record, entries)]))
 
 
 def _record(entry: Entry) -> list[str]:
@@ -175,14 +167,6 @@ def _record(entry: Entry) -> list[str]:
         entry.paper, place, entry.place.row, entry.place.column, entry.quantity, entry.printed, ruling.ours,
         ruling.outcome.value, agrees, ruling.reading, ruling.why, others,
     ]  # fmt: skip
-
-
-def _write(path: Path, text: str) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise StudyError(f"the page {str(path)!r} cannot be written: {error.strerror}; choose another folder") from None
 
 
 def _sentence(counts: Mapping[Outcome, int], total: int) -> str:

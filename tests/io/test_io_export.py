@@ -8,7 +8,8 @@ import yaml
 from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.curves import curve_named
 from study.io.exact import read_exact
-from study.io.export import sample_times, usual_rate, write_motion
+from study.io.export import write_motion
+from study.io.sampling import Sampling, sample_times, usual_rate
 from study.io.sampled import read_motion
 from study.io.waypoints import read_rows
 
@@ -48,7 +49,7 @@ def test_exact_json_keeps_the_oddest_floats(tmp_path, problem):
 
 
 def test_csv_has_the_end_point_and_every_digit(tmp_path, problem, motion):
-    path = write_motion(motion, problem, tmp_path / "m.csv", rate=30)
+    path = write_motion(motion, problem, tmp_path / "m.csv", Sampling(30))
     with path.open(newline="") as file:
         header, *rows = csv.reader(file)
     assert header[1:3] == list(NAMES)
@@ -63,7 +64,7 @@ def test_csv_has_the_end_point_and_every_digit(tmp_path, problem, motion):
 
 def test_csv_is_what_study_check_reads(tmp_path, problem):
     motion = curve_named("poly353").motion(problem.waypoints, np.full(3, 2.0))
-    path = write_motion(motion, problem, tmp_path / "m.csv", rate=500)
+    path = write_motion(motion, problem, tmp_path / "m.csv", Sampling(500))
     verdict = judge(problem, read_motion(path, problem).trajectory)
     assert verdict.duration == pytest.approx(6.0)
     assert verdict.ratios == pytest.approx(judge(problem, motion).ratios, rel=1e-2)
@@ -71,7 +72,7 @@ def test_csv_is_what_study_check_reads(tmp_path, problem):
 
 @pytest.mark.parametrize("ending", ["yaml", "json"])
 def test_the_message_is_read_back(tmp_path, problem, motion, ending):
-    path = write_motion(motion, problem, tmp_path / f"m.{ending}", rate=20)
+    path = write_motion(motion, problem, tmp_path / f"m.{ending}", Sampling(20))
     content = (json.loads if ending == "json" else yaml.safe_load)(path.read_text())
     assert content["joint_names"] == list(NAMES)
     times = np.array([p["time_from_start"]["sec"] + p["time_from_start"]["nanosec"] / 1e9 for p in content["points"]])
@@ -86,7 +87,7 @@ def test_the_message_is_read_back(tmp_path, problem, motion, ending):
 
 def test_a_time_just_below_a_second_does_not_overflow_its_nanoseconds(tmp_path, problem):
     motion = curve_named("cubic-spline").motion(problem.waypoints, np.full(3, 1 - 1e-11))
-    points = json.loads(write_motion(motion, problem, tmp_path / "m.json", rate=1).read_text())["points"]
+    points = json.loads(write_motion(motion, problem, tmp_path / "m.json", Sampling(1)).read_text())["points"]
     assert all(0 <= p["time_from_start"]["nanosec"] < 10**9 for p in points)
 
 
@@ -129,7 +130,7 @@ def test_without_a_wish_there_are_neither_two_samples_nor_a_million(duration, ra
 )
 def test_impossible_wishes_are_one_sentence(tmp_path, problem, motion, name, rate, sentence):
     with pytest.raises(StudyError, match=sentence):
-        write_motion(motion, problem, tmp_path / name, rate)
+        write_motion(motion, problem, tmp_path / name, Sampling(rate))
 
 
 def test_a_place_that_cannot_be_written_is_one_sentence(tmp_path, problem, motion):

@@ -1,0 +1,106 @@
+"""Waypoints of one's own, from a recording to the problem: columns, places, demands that move along, and what is said of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+
+from study.cases.own_demands import tightest
+from study.cases.own_file import OwnCase
+from study.cases.paper_file import SI
+from study.errors import StudyError
+from study.io.limits import OneJoint
+from study.io.samples import Samples
+from study.io.waypoints import Tidied, tidied, unwound, within
+from study.problem import Floats, JointLimits, Problem
+
+RECORDED = 20
+"""More waypoints than this were recorded, not chosen: with a tolerance, those that say nothing new are left out."""
+
+
+def leading_columns(rows: Samples, followers: Mapping[str, str]) -> tuple[Samples, list[str]]:
+    """Keep the columns of joints that follow no other; those that do are left out, with a note."""
+    led = [name for name in rows.names if name in followers and followers[name] in rows.names]
+    if not led:
+        return rows, []
+    notes = [f"not used: column {name!r}, which follows {followers[name]!r}" for name in led]
+    return rows.of([name for name in rows.names if name not in led], "the file"), notes
+
+
+def dropped_rates(file: OwnCase, rows: Samples) -> list[str]:
+    """Say that rates of a recording are not used; at the ends they may be meant."""
+    if rows.velocities is None and rows.accelerations is None:
+        return []
+    moving = rows.velocities is not None and (np.abs(rows.velocities[[0, -1]]) > 1e-6).any()
+    hint = "; it begins or ends in motion: for that give 'start' or 'finish'"
+    return ["times and rates are not used, only positions" + hint * bool(moving and not (file.start or file.finish))]
+
+
+def placed(
+    file: OwnCase, table: Floats, known: Sequence[OneJoint], bounds: JointLimits, names: Sequence[str]
+) -> tuple[Floats, list[str]]:
+    """Unwind joints that turn without end, and put waypoints that rounding moved out of a range onto its end."""
+    endless = np.array([bool(joint.endless) and file.unwrap for joint in known]) & ~np.isfinite(
+        [bounds.lower, bounds.upper]
+    ).any(0)
+    table, notes = unwound(table, endless, names)
+    table, more = within(table, bounds.lower, bounds.upper, names)
+    return table, notes + more
+
+
+def refuse_outside(table: Floats, bounds: JointLimits, names: Sequence[str], units: Sequence[Any], where: str) -> None:
+    """Refuse a waypoint outside a range of positions, in the units of the file."""
+    outside = (table < bounds.lower) | (table > bounds.upper)
+    if outside.any():
+        row, joint = (int(index) for index in np.argwhere(outside)[0])
+        factor = SI[units[joint]][1]
+        value, low, high = (v / factor for v in (table[row, joint], bounds.lower[joint], bounds.upper[joint]))
+        raise StudyError(
+            f"{where}: waypoint {row + 1} puts joint {names[joint]!r} at {value:.10g} {units[joint]}, outside its range "
+            f"[{low:.10g}, {high:.10g}] {units[joint]}"
+        )
+
+
+def tidied_demands(file: OwnCase, table: Floats, demands: dict[str, Any], where: str) -> tuple[Tidied, dict[str, Any]]:
+    """Merge and thin the waypoints, and let the demands at waypoints move with them."""
+    needed = {
+        *demands["stops"],
+        *demands["dwells"],
+        *(k - 1 for part in file.segments for k in (part.first, part.last)),
+    }
+    tolerance = demands["tolerance"]
+    radius = tolerance.min(axis=0) if tolerance is not None and len(table) > RECORDED else None
+    kept = tidied(table, radius, needed, where)
+    inner = range(1, len(kept.kept) - 1)
+    moved = {
+        "stops": [k for k in (int(kept.place[k]) for k in demands["stops"]) if k in inner],
+        "dwells": {int(kept.place[k]): time for k, time in demands["dwells"].items()},
+        "tolerance": None if tolerance is None else tolerance[kept.kept],
+    }
+    return kept, demands | moved
+
+
+def moved_segments(limits: Mapping[int, JointLimits], kept: Tidied) -> dict[int, JointLimits]:
+    """Limits of segments by their new numbers; a segment between merged waypoints has none."""
+    result: dict[int, JointLimits] = {}
+    for segment, bounds in limits.items():
+        place, after = int(kept.place[segment]), int(kept.place[segment + 1])
+        if after > place or segment not in kept.kept:
+            result[place] = tightest(result.get(place, bounds), bounds)
+    return {segment: bounds for segment, bounds in result.items() if segment < len(kept.kept) - 1}
+
+
+def unlimited_joints(problem: Problem, read: Mapping[str, OneJoint]) -> list[str]:
+    """Name joints that move without a limit of velocity; in their file another name may have been meant."""
+    notes = []
+    for joint in map(int, np.flatnonzero(problem.moving & ~np.isfinite(problem.limits.velocity))):
+        name = problem.joint_names[joint]
+        near = (
+            get_close_matches(name, set(read) - set(problem.joint_names), n=1, cutoff=0.7) if name not in read else []
+        )
+        hint = f"; in the files of limits, did you mean {near[0]!r}?" if near else ""
+        notes.append(f"joint {name!r} moves but has no limit of velocity{hint}")
+    return notes

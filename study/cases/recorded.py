@@ -1,0 +1,123 @@
+"""A trajectory of anyone's, put beside a case or beside limits alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from study.cases.case import Case
+from study.cases.paper_file import SI
+from study.errors import StudyError
+from study.io.limits import OneJoint, read_limits
+from study.io.samples import Samples
+from study.limits import JointLimits
+from study.planning import usual_settings
+from study.problem import EndCondition, Floats, Problem
+
+RATES = ("velocity", "acceleration", "jerk")
+
+
+def limits_alone(samples: Samples, files: Sequence[Path], units: str | None, where: str) -> Case:
+    """Make a case of nothing but limits: from the first sample to the last, whatever lies between.
+
+    Parameters
+    ----------
+    samples : Samples
+    files : sequence of Path
+        Files of limits; later ones win.
+    units : str, optional
+        Of the samples, where their file does not say.
+    where : str
+        How a message begins.
+
+    Raises
+    ------
+    StudyError
+        If a file cannot be read, or a joint of the samples has no limits in any of them.
+    """
+    read: dict[str, OneJoint] = {}
+    warnings: list[str] = []
+    for file in files:
+        limits = read_limits(file)
+        warnings += limits.notes
+        read |= {name: joint.over(read.get(name, OneJoint())) for name, joint in limits.joints.items()}
+    width = samples.positions.shape[1]
+    names = [name for name in samples.names if name in read] or (list(read) if len(read) == width else [])
+    if not names:
+        raise StudyError(f"{where}: none of its joints has limits; the files of limits know {', '.join(read)}")
+    left = [name for name in samples.names if name not in names]
+    warnings += [f"not judged: joint {', '.join(map(repr, left))}, which no file of limits knows"] if left else []
+    known = [read[name] for name in names]
+    sliding = tuple("m" if joint.sliding else "rad" for joint in known)
+    problem = Problem(
+        name=where,
+        waypoints=_si(samples.of(names, where), sliding, units, where).positions[[0, -1]],
+        limits=JointLimits(
+            **{name: _column(known, name) for name in (*RATES, *(f"min_{r}" for r in RATES), "lower", "upper")}
+        ),
+        end=EndCondition.FREE,
+        allow_dwell=True,
+        joint_names=names,
+    )
+    return Case(
+        name=where,
+        title="a trajectory against limits alone",
+        paper="own",
+        problem=problem,
+        curve="cubic-spline",
+        settings=usual_settings(problem),
+        planner="golds-pso",
+        robot=None,
+        units=sliding,
+        published=(),
+        notes=(),
+        warnings=tuple(warnings),
+    )
+
+
+def _column(known: Sequence[OneJoint], name: str) -> Floats:
+    nothing = -np.inf if name == "lower" or name.startswith("min_") else np.inf
+    values = [getattr(joint, name) for joint in known]
+    if name.startswith("min_"):  # without a limit of its own a joint is as fast one way as the other
+        highest = [getattr(joint, name.removeprefix("min_")) for joint in known]
+        values = [-high if low is None and high is not None else low for low, high in zip(values, highest, strict=True)]
+    return np.array([nothing if value is None else value for value in values])
+
+
+def motion_of(samples: Samples, case: Case, units: str | None, where: str) -> Samples:
+    """Put the columns of samples in the order of a case's joints, in rad and m, matched by name where there are names.
+
+    Raises
+    ------
+    StudyError
+        If a joint has no column, or a unit is unknown.
+    """
+    names = case.problem.joint_names
+    unnamed = all(name == f"joint {k}" for k, name in enumerate(names, start=1))
+    if not samples.names or (unnamed and not set(names) & set(samples.names)):
+        samples = replace(samples, names=())
+    return _si(samples.of(names, where), case.units, units, where)
+
+
+def _si(samples: Samples, kinds: Sequence[str], units: str | None, where: str) -> Samples:
+    if samples.si:
+        return samples
+    said = units.split(",") if units else ["rad"]
+    said = said * len(kinds) if len(said) == 1 else said
+    unknown = [unit for unit in said if unit not in SI]
+    if unknown or len(said) != len(kinds):
+        raise StudyError(f"{where}: --units takes rad, deg, m or mm, one for all joints or one for each, got {units!r}")
+    factors = [SI[unit][1] if SI[unit][0] == kind else 1.0 for unit, kind in zip(said, kinds, strict=True)]
+    return samples.scaled(np.array(factors))
+
+
+def with_room(problem: Problem, tolerance: float) -> Problem:
+    """Widen limits of rates by a share, and the tolerance of waypoints by that share of every joint's span."""
+    limits, share = problem.limits, 1.0 + tolerance
+    rates = {name: getattr(limits, name) * share for name in (*RATES, *(f"min_{rate}" for rate in RATES))}
+    span = np.ptp(problem.waypoints, axis=0)
+    room = np.maximum(problem.tolerances, tolerance * span)
+    return replace(problem, limits=replace(limits, **rates), tolerance=room)

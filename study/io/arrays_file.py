@@ -1,0 +1,106 @@
+"""Recordings as NumPy arrays and as Parquet tables."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from study.errors import StudyError
+from study.files import read_file
+from study.io.columns import sampled_columns
+from study.io.samples import Samples
+from study.problem import Floats
+
+POSITIONS = ("position", "positions", "q", "qpos", "waypoints", "joint_positions", "observation.state")
+TIMES = ("time", "times", "t", "timestamp", "timestamps")
+VELOCITIES = ("velocity", "velocities", "qd", "qvel", "joint_velocities")
+ACCELERATIONS = ("acceleration", "accelerations", "qdd")
+NAMES = ("joint_names", "names", "joints")
+
+
+def samples_from_numpy(path: Path) -> Samples:
+    """Read `.npy`, rows of positions, or `.npz` with positions and what else is known.
+
+    Raises
+    ------
+    StudyError
+        If the file is no such archive, holds Python objects, or has no array of positions.
+    """
+    where = f"file {path.name!r}"
+    try:
+        with np.errstate(all="ignore"):
+            content = np.load(io.BytesIO(read_file(path)), allow_pickle=False)
+        arrays = {"position": content} if isinstance(content, np.ndarray) else dict(content)
+    except Exception as error:  # a damaged archive raises whatever the part that reads it makes of it
+        if isinstance(error, StudyError):
+            raise
+        raise StudyError(f"{where} is no NumPy file of numbers: {error}") from None
+    return _from_arrays(arrays, where)
+
+
+def _from_arrays(arrays: dict[str, Any], where: str) -> Samples:
+    def first(names: tuple[str, ...]) -> Any:
+        return next((arrays[name] for name in names if name in arrays), None)
+
+    positions = first(POSITIONS)
+    if positions is None:
+        raise StudyError(f"{where} has no array of positions ({', '.join(POSITIONS[:4])}); it has {', '.join(arrays)}")
+    known = {*POSITIONS, *TIMES, *VELOCITIES, *ACCELERATIONS, *NAMES}
+    unused = [name for name in arrays if name not in known and not name.endswith("coefficients")]
+    table = _matrix(positions, where, None)
+    names, times = first(NAMES), first(TIMES)
+    return Samples(
+        positions=table,
+        names=() if names is None else tuple(str(name) for name in np.ravel(names)),
+        times=None if times is None else _matrix(times, where, (len(table),)),
+        velocities=None if (v := first(VELOCITIES)) is None else _matrix(v, where, table.shape),
+        accelerations=None if (a := first(ACCELERATIONS)) is None else _matrix(a, where, table.shape),
+        notes=(f"not used: array {', '.join(map(repr, unused[:8]))}",) if unused else (),
+    )
+
+
+def _matrix(values: Any, where: str, shape: tuple[int, ...] | None) -> Floats:
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise StudyError(f"{where}: an array of positions, rates or times holds no numbers") from None
+    wrong = array.ndim != 2 if shape is None else array.shape != shape
+    if wrong or not array.size or not np.isfinite(array).all():
+        expected = "shape (n_rows, n_joints)" if shape is None else f"shape {shape}"
+        raise StudyError(f"{where}: expected finite numbers of {expected}, got shape {array.shape}")
+    return array
+
+
+def samples_from_parquet(path: Path) -> Samples:
+    """Read a table of numbers, or a LeRobot episode, whose positions stand in lists under `observation.state`.
+
+    Raises
+    ------
+    StudyError
+        If the package that reads Parquet is missing, the file is none, or it holds several episodes.
+    """
+    where = f"file {path.name!r}"
+    try:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+    except ModuleNotFoundError:
+        raise StudyError(f"{where}: reading Parquet needs the package 'pyarrow'; pip install pyarrow") from None
+    try:
+        table = pq.read_table(io.BytesIO(read_file(path)))
+    except (pa.ArrowException, OSError, ValueError) as error:
+        raise StudyError(f"{where} is no Parquet file: {str(error).splitlines()[0]}") from None
+    columns = {name: table.column(name).to_pylist() for name in table.column_names}
+    if len(set(columns.get("episode_index", [0]))) > 1:
+        raise StudyError(f"{where} holds several episodes; write one of them to a file of its own")
+    if "observation.state" in columns:
+        arrays = {name: columns[name] for name in ("observation.state", "timestamp") if name in columns}
+        unused = [name for name in columns if name not in arrays]
+        samples = _from_arrays(arrays, where)
+        return samples.noting(f"not used: column {', '.join(map(repr, unused[:8]))}") if unused else samples
+    numeric = [name for name, values in columns.items() if all(isinstance(value, int | float) for value in values)]
+    if not numeric or not len(table):
+        raise StudyError(f"{where} has no columns of numbers")
+    return sampled_columns(numeric, _matrix([columns[name] for name in numeric], where, None).T)

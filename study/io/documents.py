@@ -1,0 +1,140 @@
+"""Documents in YAML or JSON, read so that nothing in them is lost, doubled or grows."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from study.errors import StudyError
+from study.io.text import read_text
+
+DEEPEST = 100
+"""Levels of lists and mappings in one another that are read."""
+
+
+def parsed(path: Path) -> Any:
+    """Parse a YAML or JSON file that holds one document.
+
+    Raises
+    ------
+    StudyError
+        As `documents`, or if there are several.
+    """
+    contents = documents(path)
+    if len(contents) > 1:
+        raise StudyError(f"file {str(path)!r} holds {len(contents)} documents, separated by '---'; expected one")
+    return contents[0]
+
+
+def documents(path: Path) -> list[Any]:
+    """Parse a YAML file, in which empty documents do not count, or a JSON file.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    list of object
+        At least one; None where the file is empty.
+
+    Raises
+    ------
+    StudyError
+        If the file is neither, a key stands twice in a mapping, YAML uses aliases, lists lie too deep in one another, or the
+        package that reads YAML is missing.
+    """
+    text, where = read_text(path), f"file {str(path)!r}"
+    return [_from_json(text, where)] if path.suffix.lower() == ".json" else _from_yaml(text, where)
+
+
+def _from_json(text: str, where: str) -> Any:
+    try:
+        content = json.loads(text, object_pairs_hook=_unique, parse_constant=_not_finite)
+    except json.JSONDecodeError as error:
+        raise StudyError(f"{where} is not valid JSON at line {error.lineno}: {error.msg}") from None
+    except RecursionError:
+        raise StudyError(f"{where} is not valid JSON: nested too deeply") from None
+    except ValueError as error:
+        raise StudyError(f"{where} cannot be read: {error}") from None
+    if _depth(content) > DEEPEST:
+        raise StudyError(f"{where} cannot be read: nested too deeply, more than {DEEPEST} levels")
+    return content
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    result = dict(pairs)
+    if len(result) < len(pairs):
+        names = [name for name, _ in pairs]
+        double = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"key {double[:60]!r} stands twice in one mapping; remove one")
+    return result
+
+
+def _not_finite(text: str) -> float:
+    raise ValueError(f"{text} is no number; leave the field out, or write null")
+
+
+def _depth(content: Any) -> int:
+    level, depth = [content], 0
+    while level := [item for item in level if isinstance(item, dict | list)]:
+        depth += 1
+        level = [inner for item in level for inner in (item.values() if isinstance(item, dict) else item)]
+    return depth
+
+
+def _from_yaml(text: str, where: str) -> list[Any]:
+    try:
+        import yaml
+    except ModuleNotFoundError:
+        raise StudyError(f"{where}: reading YAML needs the package 'pyyaml'; pip install pyyaml, or use JSON") from None
+    loader = _loader()
+    try:
+        _check(yaml.parse(text, Loader=loader))
+        contents = list(yaml.load_all(text, Loader=loader))
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        line = f" at line {mark.line + 1}" if mark else ""
+        reason = getattr(error, "problem", None) or "it could not be parsed"
+        raise StudyError(f"{where} is not valid YAML{line}: {reason}") from None
+    except (RecursionError, ValueError, OverflowError, AttributeError, TypeError) as error:
+        raise StudyError(f"{where} cannot be read: {error}") from None
+    return [content for content in contents if content is not None] or [None]
+
+
+def _check(events: Iterator[Any]) -> None:
+    """Refuse aliases, which can stand for more than any memory holds, and deep nesting before anything is built."""
+    depth = 0
+    for event in events:
+        kind = type(event).__name__
+        if kind == "AliasEvent":
+            raise ValueError(f"the alias *{event.anchor} at line {event.start_mark.line + 1}; write the value out")
+        depth += kind in ("MappingStartEvent", "SequenceStartEvent")
+        depth -= kind in ("MappingEndEvent", "SequenceEndEvent")
+        if depth > DEEPEST:
+            raise ValueError(f"nested too deeply, more than {DEEPEST} levels")
+
+
+@cache
+def _loader() -> Any:
+    """Safe loader, in C where it is built in, that refuses doubled keys and knows the angles of ROS files."""
+    import yaml
+
+    class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+        def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
+            mapping: dict[Any, Any] = super().construct_mapping(node, deep)
+            if len(mapping) < len(node.value):
+                names = [str(key.value)[:60] for key, _ in node.value]
+                double = next((name for name in names if names.count(name) > 1), names[-1])
+                raise ValueError(
+                    f"key {double!r} stands twice in the mapping at line {node.start_mark.line + 1}; remove one"
+                )
+            return mapping
+
+    Loader.add_constructor("!degrees", lambda loader, node: math.radians(float(loader.construct_scalar(node))))
+    Loader.add_constructor("!radians", lambda loader, node: float(loader.construct_scalar(node)))
+    return Loader

@@ -1,0 +1,84 @@
+"""Joint positions as a file gives them, with everything else that it says and what of it was not used."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from study.errors import StudyError, unknown
+from study.problem import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Rows of joint positions.
+
+    Attributes
+    ----------
+    positions : array of shape (n_rows, n_joints), in the file's units
+    names : tuple of str
+        Of the joints; empty where the file gives none.
+    si : bool
+        Whether the file's format says that positions are rad and m.
+    times : array of shape (n_rows,), s, optional
+    velocities, accelerations : array of shape (n_rows, n_joints), optional
+        In the file's units per second and second squared.
+    notes : tuple of str
+        One sentence for everything that was left out or taken in a way that could be taken otherwise.
+    """
+
+    positions: Floats
+    names: tuple[str, ...] = ()
+    si: bool = False
+    times: Floats | None = None
+    velocities: Floats | None = None
+    accelerations: Floats | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def rates(self) -> list[Floats]:
+        """Velocities and accelerations, as far as the file gives them in this order."""
+        given = [self.velocities, self.accelerations if self.velocities is not None else None]
+        return [rate for rate in given if rate is not None]
+
+    def of(self, names: Sequence[str], where: str) -> Samples:
+        """Columns in the order of some joints; without names in the file, one column for each joint.
+
+        Raises
+        ------
+        StudyError
+            If a joint has no column, or the number of columns is another.
+        """
+        if not self.names:
+            if self.positions.shape[1] != len(names):
+                raise StudyError(f"{where} has {self.positions.shape[1]} columns of positions for {len(names)} joints")
+            return self
+        for name in names:
+            if name not in self.names:
+                raise unknown(f"column for joint {name!r} in {where}:", name, self.names)
+        order = [self.names.index(name) for name in names]
+        velocities, accelerations = (
+            None if rate is None else rate[:, order] for rate in (self.velocities, self.accelerations)
+        )
+        return replace(
+            self,
+            positions=self.positions[:, order],
+            names=tuple(names),
+            velocities=velocities,
+            accelerations=accelerations,
+        )
+
+    def noting(self, *notes: str) -> Samples:
+        """The same with further notes."""
+        return replace(self, notes=(*self.notes, *notes))
+
+    def scaled(self, factors: Floats) -> Samples:
+        """The same in rad and m; factors of shape (n_joints,) from the file's units, which messages need not."""
+        if self.si:
+            return self
+        velocities, accelerations = (
+            None if rate is None else rate * factors for rate in (self.velocities, self.accelerations)
+        )
+        return replace(
+            self, positions=self.positions * factors, si=True, velocities=velocities, accelerations=accelerations
+        )
