@@ -66,12 +66,16 @@ def refuse_outside(table: Floats, bounds: JointLimits, names: Sequence[str], uni
 
 def tidied_demands(file: OwnCase, table: Floats, demands: dict[str, Any], where: str) -> tuple[Tidied, dict[str, Any]]:
     """Merge and thin the waypoints, and let the demands at waypoints move with them."""
+    asked, n_waypoints = {*demands["stops"], *demands["dwells"]}, len(table)
+    tolerance = demands["tolerance"]
+    if not asked <= set(range(1, n_waypoints - 1)) or (tolerance is not None and len(tolerance) != n_waypoints):
+        order = np.arange(n_waypoints)
+        return Tidied(table, order, order), demands  # which the problem refuses by the numbers of the file
     needed = {
         *demands["stops"],
         *demands["dwells"],
         *(k - 1 for part in file.segments for k in (part.first, part.last)),
     }
-    tolerance = demands["tolerance"]
     radius = tolerance.min(axis=0) if tolerance is not None and len(table) > RECORDED else None
     kept = tidied(table, radius, needed, where)
     inner = range(1, len(kept.kept) - 1)

@@ -10,7 +10,7 @@ import numpy as np
 
 from study.cases.case import Case
 from study.cases.paper_file import SI
-from study.errors import StudyError
+from study.errors import StudyError, plural, unknown
 from study.io.limits import OneJoint, read_limits
 from study.io.samples import Samples
 from study.limits import JointLimits
@@ -96,10 +96,31 @@ def motion_of(samples: Samples, case: Case, units: str | None, where: str) -> Sa
         If a joint has no column, or a unit is unknown.
     """
     names = case.problem.joint_names
-    unnamed = all(name == f"joint {k}" for k, name in enumerate(names, start=1))
-    if not samples.names or (unnamed and not set(names) & set(samples.names)):
-        samples = replace(samples, names=())
+    if not samples.names:
+        samples = _in_order(samples, len(names), where)
+    elif not samples.si and not set(names) & set(samples.names):
+        samples = _in_order(samples, len(names), where).noting(
+            "no column has the name of a joint of the case, so the columns were taken in their order"
+        )
     return _si(samples.of(names, where), case.units, units, where)
+
+
+def _in_order(samples: Samples, n_joints: int, where: str) -> Samples:
+    """Columns without the names of joints: time, unless it is known, then positions, velocities and accelerations."""
+    table, times = samples.positions, samples.times
+    if times is None:
+        table, times = table[:, 1:], table[:, 0]
+    orders = table.shape[1] // n_joints
+    if table.shape[1] != orders * n_joints or not 1 <= orders <= 3 or samples.velocities is not None:
+        raise StudyError(
+            f"{where}: expected {1 + n_joints}, {1 + 2 * n_joints} or {1 + 3 * n_joints} columns (time, then positions, "
+            f"velocities, accelerations of {n_joints} joints), got {1 + table.shape[1]}"
+        )
+    positions, *rates = np.split(table, orders, axis=1)
+    velocities, accelerations = [*rates, None, None][:2]
+    return replace(
+        samples, positions=positions, names=(), times=times, velocities=velocities, accelerations=accelerations
+    )
 
 
 def _si(samples: Samples, kinds: Sequence[str], units: str | None, where: str) -> Samples:
@@ -107,9 +128,13 @@ def _si(samples: Samples, kinds: Sequence[str], units: str | None, where: str) -
         return samples
     said = units.split(",") if units else ["rad"]
     said = said * len(kinds) if len(said) == 1 else said
-    unknown = [unit for unit in said if unit not in SI]
-    if unknown or len(said) != len(kinds):
-        raise StudyError(f"{where}: --units takes rad, deg, m or mm, one for all joints or one for each, got {units!r}")
+    for unit in said:
+        if unit not in SI:
+            raise unknown("unit", unit, SI)
+    if len(said) != len(kinds):
+        raise StudyError(
+            f"{where}: {plural(len(said), 'unit')} for {plural(len(kinds), 'joint')}; give one or one for each"
+        )
     factors = [SI[unit][1] if SI[unit][0] == kind else 1.0 for unit, kind in zip(said, kinds, strict=True)]
     return samples.scaled(np.array(factors))
 
@@ -117,7 +142,8 @@ def _si(samples: Samples, kinds: Sequence[str], units: str | None, where: str) -
 def with_room(problem: Problem, tolerance: float) -> Problem:
     """Widen limits of rates by a share, and the tolerance of waypoints by that share of every joint's span."""
     limits, share = problem.limits, 1.0 + tolerance
-    rates = {name: getattr(limits, name) * share for name in (*RATES, *(f"min_{rate}" for rate in RATES))}
+    given = {name: getattr(limits, name) for name in (*RATES, *(f"min_{rate}" for rate in RATES))}
+    rates = {name: rate * share for name, rate in given.items() if rate is not None}
     span = np.ptp(problem.waypoints, axis=0)
     room = np.maximum(problem.tolerances, tolerance * span)
     return replace(problem, limits=replace(limits, **rates), tolerance=room)

@@ -20,7 +20,7 @@ from study.cli.inputs import LimitFiles, load_any
 from study.cli.screen import make_console
 from study.cli.shared import INFEASIBLE
 from study.errors import StudyError, plural
-from study.io.exact import read_exact
+from study.io.exact import holds_coefficients, read_exact
 from study.io.passages import passages
 from study.io.recordings import holds_samples, read_samples
 from study.io.sampled import Interpolation, joined, sample_use
@@ -83,7 +83,7 @@ def check(
 
 
 def _exact(file: Path) -> bool:
-    return file.name.lower().endswith(".exact.json")
+    return file.name.lower().endswith(".exact.json") or holds_coefficients(file)
 
 
 def _timed(samples: Samples, interpolation: Interpolation | None) -> bool:
@@ -122,7 +122,6 @@ def _judge_samples(
     """Say apart what holds at the samples and what a controller makes of them in between."""
     for note in samples.notes:
         console.print(f"note: {note}", soft_wrap=True)
-    roomy = replace(case, problem=with_room(case.problem, tolerance))
     at_samples = [
         sentence for share, sentence in sample_use(samples, case.problem) if share > 1 + max(tolerance, TOLERANCE)
     ]
@@ -132,7 +131,7 @@ def _judge_samples(
         console.print("at the samples every limit is kept")
     through = joined(samples, case.problem, where, interpolation)
     console.print(f"between the samples, joined as a controller may, a limit may be exceeded by {100 * tolerance:g} %:")
-    return report_verdict(roomy, through.trajectory, through.method, console) and not at_samples
+    return report_verdict(case, through.trajectory, through.method, console, tolerance) and not at_samples
 
 
 def _case(file: Path, units: str | None, limits: Sequence[Path]) -> Case:
@@ -152,8 +151,8 @@ def warn(case: Case, console: Console) -> None:
         console.print(f"note: {sentence}", soft_wrap=True)
 
 
-def report_verdict(case: Case, motion: Motion, method: str, console: Console) -> bool:
-    """Print what the judge finds of a motion; whether it is feasible and hits no obstacle."""
+def report_verdict(case: Case, motion: Motion, method: str, console: Console, room: float = 0.0) -> bool:
+    """Print what the judge finds of a motion; whether it is feasible, with some room for samples, and hits no obstacle."""
     verdict = judge(case.problem, motion)
     if method:
         console.print(f"read as {method}", soft_wrap=True)
@@ -162,6 +161,7 @@ def report_verdict(case: Case, motion: Motion, method: str, console: Console) ->
     )
     console.print(terminal.verdict_table(case.problem, verdict))
     console.print(f"duration {verdict.duration:.9g} s, largest share of a limit {verdict.worst_ratio:.6f}")
+    verdict = judge(with_room(case.problem, room), motion) if room else verdict
     for reason in verdict.reasons:
         console.print(f"infeasible: {reason}", soft_wrap=True)
     clearance = nearest(case, motion)

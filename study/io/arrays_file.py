@@ -29,16 +29,25 @@ def samples_from_numpy(path: Path) -> Samples:
     StudyError
         If the file is no such archive, holds Python objects, or has no array of positions.
     """
-    where = f"file {path.name!r}"
+    return _from_arrays(load_arrays(path), f"file {path.name!r}")
+
+
+def load_arrays(path: Path) -> dict[str, Any]:
+    """Read the arrays of a NumPy file by name; a single one stands under `position`.
+
+    Raises
+    ------
+    StudyError
+        If the file is no such archive or holds Python objects.
+    """
     try:
         with np.errstate(all="ignore"):
             content = np.load(io.BytesIO(read_file(path)), allow_pickle=False)
-        arrays = {"position": content} if isinstance(content, np.ndarray) else dict(content)
+        return {"position": content} if isinstance(content, np.ndarray) else dict(content)
+    except StudyError:
+        raise
     except Exception as error:  # a damaged archive raises whatever the part that reads it makes of it
-        if isinstance(error, StudyError):
-            raise
-        raise StudyError(f"{where} is no NumPy file of numbers: {error}") from None
-    return _from_arrays(arrays, where)
+        raise StudyError(f"file {path.name!r} is no NumPy file of numbers: {error}") from None
 
 
 def _from_arrays(arrays: dict[str, Any], where: str) -> Samples:

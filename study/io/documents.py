@@ -12,6 +12,9 @@ from typing import Any
 from study.errors import StudyError
 from study.io.text import read_text
 
+MOST_STANDING = 1_000_000
+"""Values that all aliases of a document may stand for together."""
+
 DEEPEST = 100
 """Levels of lists and mappings in one another that are read."""
 
@@ -45,7 +48,7 @@ def documents(path: Path) -> list[Any]:
     Raises
     ------
     StudyError
-        If the file is neither, a key stands twice in a mapping, YAML uses aliases, lists lie too deep in one another, or the
+        If the file is neither, a key stands twice in a mapping, aliases of YAML stand for too much, lists lie too deep in one another, or the
         package that reads YAML is missing.
     """
     text, where = read_text(path), f"file {str(path)!r}"
@@ -95,7 +98,7 @@ def _from_yaml(text: str, where: str) -> list[Any]:
     loader = _loader()
     try:
         _check(yaml.parse(text, Loader=loader))
-        contents = list(yaml.load_all(text, Loader=loader))
+        contents = list(_contents(loader(text)))
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         line = f" at line {mark.line + 1}" if mark else ""
@@ -106,17 +109,32 @@ def _from_yaml(text: str, where: str) -> list[Any]:
     return [content for content in contents if content is not None] or [None]
 
 
+def _contents(loader: Any) -> Iterator[Any]:
+    while loader.check_data():
+        yield loader.get_data()
+
+
 def _check(events: Iterator[Any]) -> None:
-    """Refuse aliases, which can stand for more than any memory holds, and deep nesting before anything is built."""
-    depth = 0
+    """Refuse deep nesting, and aliases that stand for more than any memory holds, before anything is built."""
+    count, standing, sizes, open_parts = 0, 0, dict[str, int](), list[tuple[str | None, int]]()
     for event in events:
-        kind = type(event).__name__
+        kind, anchor = type(event).__name__, getattr(event, "anchor", None)
         if kind == "AliasEvent":
-            raise ValueError(f"the alias *{event.anchor} at line {event.start_mark.line + 1}; write the value out")
-        depth += kind in ("MappingStartEvent", "SequenceStartEvent")
-        depth -= kind in ("MappingEndEvent", "SequenceEndEvent")
-        if depth > DEEPEST:
+            standing += sizes.get(anchor or "", MOST_STANDING + 1)  # an alias inside its own anchor has no end
+            count += sizes.get(anchor or "", 0)
+        elif kind.endswith("StartEvent") and not kind.startswith(("Stream", "Document")):
+            open_parts.append((anchor, count))
+        elif kind in ("MappingEndEvent", "SequenceEndEvent"):
+            name, before = open_parts.pop()
+            sizes |= {name: count - before + 1} if name else {}
+        elif kind == "ScalarEvent":
+            sizes |= {anchor: 1} if anchor else {}
+        count += 1
+        if len(open_parts) > DEEPEST:
             raise ValueError(f"nested too deeply, more than {DEEPEST} levels")
+        if standing > MOST_STANDING:
+            line = event.start_mark.line + 1
+            raise ValueError(f"the alias at line {line} stands for too many values; write them out")
 
 
 @cache

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from study.errors import StudyError
-from study.io.text import read_text
+from study.io.arrays_file import load_arrays
+from study.io.documents import parsed
 from study.parametric import ParametricTrajectory
 from study.problem import Problem
 from study.trajectory import Motion, Trajectory
+
+HIGHEST_DEGREE = 50
+"""Of polynomials that are read; roots of higher ones have no digits left."""
 
 FORMAT = "time-optimal-study trajectory 1"
 KINDS: dict[str, tuple[type[Trajectory] | type[ParametricTrajectory], tuple[str, ...]]] = {
@@ -56,22 +61,48 @@ def read_exact(path: Path) -> Trajectory | ParametricTrajectory:
     StudyError
         If the file cannot be read, is of another format or its numbers make no motion.
     """
-    content = _content(path)
-    if content.get("format") != FORMAT or content.get("kind") not in KINDS:
+    content = _archive(path) if path.suffix.lower() == ".npz" else _content(path)
+    kind = content.get("kind")
+    if content.get("format") != FORMAT or not isinstance(kind, str) or kind not in KINDS:
         raise StudyError(f"file {str(path)!r} is not an exact trajectory: its format must be {FORMAT!r}")
-    cls, parts = KINDS[content["kind"]]
+    cls, parts = KINDS[kind]
     missing = [part for part in parts if part not in content]
     if missing:
         raise StudyError(f"file {str(path)!r}: field {missing[0]!r} is missing; write the file again")
     try:
         return cls(*(np.array(content[part], dtype=float) for part in parts))
-    except (StudyError, ValueError, TypeError) as error:
+    except (StudyError, ValueError, TypeError, OverflowError, IndexError, RecursionError) as error:
         raise StudyError(f"file {str(path)!r}: {error}") from None
 
 
 def _content(path: Path) -> dict[str, Any]:
-    try:
-        content = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise StudyError(f"file {str(path)!r} is not valid JSON at line {error.lineno}: {error.msg}") from None
-    return content if isinstance(content, dict) else {}
+    content = parsed(path)
+    content = content if isinstance(content, dict) else {}
+    degree = max(
+        (len(piece) for part in ("coefficients", "time", "position") for piece in _pieces(content.get(part))), default=0
+    )
+    if degree > HIGHEST_DEGREE + 1:
+        raise StudyError(
+            f"file {str(path)!r}: polynomials of degree {degree - 1} are not read, at most {HIGHEST_DEGREE}"
+        )
+    return content
+
+
+def _pieces(part: Any) -> list[Any]:
+    return [piece for piece in part if isinstance(piece, list)] if isinstance(part, list) else []
+
+
+def holds_coefficients(path: Path) -> bool:
+    """Whether a file is an archive that holds the polynomials of a motion besides its samples."""
+    if path.suffix.lower() != ".npz" or not os.path.isfile(path):
+        return False
+    return bool({"coefficients", "position_coefficients"} & set(load_arrays(path)))
+
+
+def _archive(path: Path) -> dict[str, Any]:
+    arrays = load_arrays(path)
+    if "coefficients" in arrays:
+        parts = ("knots", "coefficients", "waypoint_times")
+        return {"format": FORMAT, "kind": "polynomial", **{part: arrays[part] for part in parts if part in arrays}}
+    given = {"time": arrays.get("time_coefficients"), "position": arrays.get("position_coefficients")}
+    return {"format": FORMAT, "kind": "parametric", **{name: part for name, part in given.items() if part is not None}}

@@ -12,7 +12,7 @@ from study.cautions import require_bounded
 from study.errors import StudyError
 from study.files import csv_text, write_file
 from study.io.exact import exact_text
-from study.io.joint_trajectory import message_json, message_yaml
+from study.io.joint_trajectory import NANOSECONDS, message_json, message_yaml
 from study.io.samples import Samples
 from study.io.sampling import Sampling
 from study.parametric import ParametricTrajectory
@@ -64,6 +64,8 @@ def write_motion(
     if form == ".exact.json":
         return write_file(path, exact_text(motion, problem))
     times = (sampling or Sampling()).times(motion, problem)
+    if form in MESSAGES:  # evaluated where the message says, in whole nanoseconds
+        times = np.unique(np.round(times * NANOSECONDS)) / NANOSECONDS
     return write_file(path, WRITERS[form](points_of(motion, problem, times), motion, problem))
 
 
@@ -156,4 +158,5 @@ WRITERS: dict[str, Callable[[Samples, Motion, Problem], str | bytes]] = {
     ".json": lambda samples, motion, problem: message_json(samples),
     ".npz": npz_bytes,
 }
+MESSAGES = (".yaml", ".yml", ".json")
 FORMS = (*WRITERS, ".exact.json")

@@ -39,10 +39,7 @@ def samples_from_documents(contents: Sequence[Any], where: str) -> Samples | Non
         If names or positions are missing or do not match, or parts of a trajectory name other joints.
     """
     if trajectories := list(_holding(contents, ("joint_names", "points"))):
-        parts = [_trajectory(content, where) for content in trajectories if content["points"]]
-        if not parts:
-            raise StudyError(f"{where}: the trajectory has no points")
-        return _joined(parts, where)
+        return _joined([_trajectory(content, where) for content in trajectories], where)
     states = list(_holding(contents, ("name", "position")))
     return _states(states, where) if states and isinstance(states[0]["name"], list) else None
 
@@ -64,6 +61,8 @@ def _trajectory(content: Mapping[str, Any], where: str) -> Samples:
     names, points = content["joint_names"], content["points"]
     if not isinstance(names, list) or not names or not isinstance(points, list):
         raise StudyError(f"{where}: 'joint_names' and 'points' must be lists, and joints must have names")
+    if not points:
+        raise StudyError(f"{where}: there are no waypoints; the trajectory has no points")
     for place, point in enumerate(points, start=1):
         if not isinstance(point, Mapping) or not isinstance(point.get("positions"), list):
             raise StudyError(f"{where}: point {place} has no list of positions")

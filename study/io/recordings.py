@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from study.errors import StudyError
 from study.io.arrays_file import samples_from_numpy, samples_from_parquet
@@ -35,8 +38,20 @@ def read_samples(path: Path) -> Samples:
     Raises
     ------
     StudyError
-        If the file cannot be read or holds no table of numbers.
+        If the file cannot be read, holds no table of numbers, or its times go back.
     """
+    samples, where = _read(path), f"file {path.name!r}"
+    times = np.zeros(1) if samples.times is None else samples.times
+    late = np.flatnonzero(np.diff(times) < 0)
+    if late.size:
+        row = int(late[0])
+        raise StudyError(
+            f"{where}: times must increase, but row {row + 2} has {times[row + 1]:g} s after {times[row]:g} s; sort the rows"
+        )
+    return samples
+
+
+def _read(path: Path) -> Samples:
     where, ending = f"file {path.name!r}", path.suffix.lower()
     if ending in TABLES:
         return samples_from_csv(read_text(path), where)
@@ -44,11 +59,15 @@ def read_samples(path: Path) -> Samples:
         return samples_from_numpy(path)
     if ending == ".parquet":
         return samples_from_parquet(path)
-    if ending in BAGS or (path / "metadata.yaml").is_file():
+    if ending in BAGS or _is_bag(path):
         return samples_from_bag(path)
     if ".srdf" in path.name.lower():
         return samples_from_srdf(path)
     return _from_documents(documents(path), where)
+
+
+def _is_bag(path: Path) -> bool:
+    return os.path.isfile(path / "metadata.yaml")  # unlike the path's own question, never fails
 
 
 def _from_documents(contents: list[Any], where: str) -> Samples:
@@ -67,9 +86,9 @@ def _from_documents(contents: list[Any], where: str) -> Samples:
 def holds_samples(path: Path) -> bool:
     """Whether a file holds positions alone, and is no case."""
     ending = path.suffix.lower()
-    if ending in (*TABLES, *ARRAYS, *BAGS, ".parquet") or ".srdf" in path.name.lower() or path.is_dir():
+    if ending in (*TABLES, *ARRAYS, *BAGS, ".parquet") or ".srdf" in path.name.lower() or _is_bag(path):
         return True
-    if ending not in DOCUMENTS or path.name.lower().endswith(".exact.json") or not path.is_file():
+    if ending not in DOCUMENTS or path.name.lower().endswith(".exact.json") or not os.path.isfile(path):
         return False
     contents = documents(path)
     return isinstance(contents[0], list) or samples_from_documents(contents, f"file {path.name!r}") is not None

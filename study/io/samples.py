@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from study.errors import StudyError, unknown
+from study.errors import StudyError
 from study.problem import Floats
 
 
@@ -55,7 +55,7 @@ class Samples:
             return self
         for name in names:
             if name not in self.names:
-                raise unknown(f"column for joint {name!r} in {where}:", name, self.names)
+                raise StudyError(f"{where}: its columns are {', '.join(self.names)}; there is none for {name!r}")
         order = [self.names.index(name) for name in names]
         velocities, accelerations = (
             None if rate is None else rate[:, order] for rate in (self.velocities, self.accelerations)

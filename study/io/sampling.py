@@ -17,7 +17,6 @@ MOST_SAMPLES = 10_000_000
 """More samples than this are taken for a mistake in the rate."""
 
 
-NANOSECOND = 1e-9
 CLOSEST = 1e-3
 """Part of the usual distance of samples below which a sample at the rate gives way to a switching instant."""
 
@@ -38,7 +37,7 @@ class Sampling:
     points: int | None = None
 
     def times(self, motion: Motion, problem: Problem) -> Floats:
-        """Instants for a motion, shape (n_samples,), s, all of them whole nanoseconds.
+        """Instants for a motion, shape (n_samples,), s.
 
         Raises
         ------
@@ -49,13 +48,10 @@ class Sampling:
         if self.points is not None:
             if self.rate is not None:
                 raise StudyError("give a rate or a number of points, not both")
-            times = point_times(motion, self.points)
-        elif self.rate is not None or cycle is not None:
-            times = sample_times(motion.duration, self.rate or 1.0 / (cycle or 1.0))
-        else:
-            times = switching_times(motion)
-        whole = np.round(times / NANOSECOND)
-        return np.unique(whole) / 1e9 if motion.duration > 1e3 * NANOSECOND else times
+            return point_times(motion, self.points)
+        if self.rate is not None:
+            return sample_times(motion.duration, self.rate)
+        return switching_times(motion) if cycle is None else sample_times(motion.duration, 1.0 / cycle)
 
 
 def usual_rate(duration: float, rate: float = 100.0, most: int = MANY_SAMPLES) -> float:

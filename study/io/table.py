@@ -49,16 +49,6 @@ def numbers(rows: Sequence[Sequence[Any]], places: Sequence[str]) -> Floats:
     return np.array([[number(value, place) for value in row] for row, place in zip(rows, places, strict=True)])
 
 
-def increasing(times: Floats, where: str, what: str) -> None:
-    """Refuse times that do not increase from row to row."""
-    late = np.flatnonzero(np.diff(times) <= 0)
-    if late.size:
-        k = int(late[0])
-        raise StudyError(
-            f"{where}: times must increase, but {what} {k + 2} has {times[k + 1]:g} s after {times[k]:g} s; sort the rows"
-        )
-
-
 def csv_cells(text: str, where: str) -> list[tuple[int, list[str]]]:
     """Split a table into cells, each line with its number; lines without content are left out.
 

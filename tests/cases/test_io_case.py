@@ -159,7 +159,7 @@ WRONG = {
     "no units": (without("units"), "field 'units' is missing; state rad or deg"),
     "no limits": (without("limits"), "field 'limits' is missing; add it"),
     "no waypoints": (without("waypoints"), "field 'waypoints' is missing; add it"),
-    "misspelt": (PLAIN | {"waypionts": 1}, "unknown key 'waypionts'; remove it or correct its spelling"),
+    "misspelt": (PLAIN | {"waypionts": 1}, "unknown key 'waypionts'; did you mean 'waypoints'?"),
     "odd unit": (
         PLAIN | {"units": "degrees"},
         "field 'units': input should be 'rad', 'deg', 'm' or 'mm', got 'degrees'",
@@ -182,7 +182,7 @@ WRONG = {
     ),
     "one waypoint": (PLAIN | {"waypoints": [[1, 2]]}, "there is only one waypoint; a motion needs at least two"),
     "no waypoint": (PLAIN | {"waypoints": []}, "there are no waypoints; give at least two"),
-    "repeated": (PLAIN | {"waypoints": [[1, 2], [1, 2]]}, "waypoints 1 and 2 are equal"),
+    "repeated": (PLAIN | {"waypoints": [[1, 2], [1, 2]]}, "all waypoints are the same place"),
     "outside": (
         PLAIN | {"limits": {"velocity": 1, "position": {"lower": -10, "upper": 10}}},
         "outside its range",
@@ -201,7 +201,7 @@ WRONG = {
     ),
     "strange columns": (
         PLAIN | {"joints": ["x", "y"], "waypoints": "points.csv"},
-        "the waypoints' columns are slide, turn; there is none for 'x'",
+        "columns are slide, turn; there is none for 'x'",
     ),
     "slide in degrees": (
         PLAIN | {"joints": ["turn", "slide"], "limits": {"from": "bench.urdf"}},

@@ -162,11 +162,11 @@ def test_check_takes_degrees(study_command, sampled, case_file):
     [
         ("0,0,0\n1,nan,1\n", "line 2: expected a finite number, got 'nan'"),
         ("t,a,b\n0,0,0\n1,x,1\n", "line 3: expected a finite number, got 'x'"),
-        ("0,0,0\n1,1,1\n1,2,2\n", "line 3: times must increase, got 1 s after 1 s"),
-        ("0,0\n1,1\n", "line 1: expected 3, 5 or 7 columns"),
-        ("0,0,0\n1,1,1,1,1\n", "line 2: expected 3, 5 or 7 columns"),
+        ("0,0,0\n1,1,1\n1,2,2\n", "times must increase, but sample 3 has 1 s after 1 s"),
+        ("0,0\n1,1\n", "expected 3, 5 or 7 columns"),
+        ("0,0,0\n1,1,1,1,1\n", "line 2: expected 3 columns as in the first line"),
         ("0,0,0\n", "at least two samples are needed, got 1"),
-        ("", "at least two samples are needed, got 0"),
+        ("", "there are no waypoints"),
     ],
 )
 def test_check_says_what_is_wrong_with_a_file(failing, tmp_path, case_file, content, sentence):
@@ -176,8 +176,8 @@ def test_check_says_what_is_wrong_with_a_file(failing, tmp_path, case_file, cont
 
 
 def test_check_says_what_is_wrong_with_its_arguments(failing, tmp_path, sampled, case_file):
-    assert "cannot read file" in failing("check", tmp_path / "none.csv", "--case", case_file)
-    assert "cannot read file" in failing("check", tmp_path, "--case", case_file)
+    assert "does not exist" in failing("check", tmp_path / "none.csv", "--case", case_file)
+    assert "cannot be read: Is a directory" in failing("check", tmp_path, "--case", case_file)
     assert "no case 'wood'" in failing("check", sampled(), "--case", "wood")
     assert "no unit 'grad'" in failing("check", sampled(), "--case", case_file, "--units", "grad")
 

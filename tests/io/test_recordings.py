@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from study.errors import StudyError
+from study.io.recordings import read_samples
 from study.io.text import read_text
-from study.io.waypoints import read_rows
 
 TWO = [[0.5, -1.25], [1.0, 2.0]]
 MESSAGE = {
@@ -38,8 +38,8 @@ MESSAGE = {
 def test_tables_as_people_send_them(tmp_path, text):
     path = tmp_path / "points.csv"
     path.write_bytes(text.encode())
-    rows = read_rows(path)
-    assert rows.values.tolist() == TWO
+    rows = read_samples(path)
+    assert rows.positions.tolist() == TWO
     assert rows.names == ()
     assert not rows.si
 
@@ -47,8 +47,8 @@ def test_tables_as_people_send_them(tmp_path, text):
 def test_a_spreadsheet_in_utf_16(tmp_path):
     path = tmp_path / "points.txt"
     path.write_bytes("q 1\tq 2\r\n0,5\t-1,25\r\n1\t2\r\n".encode("utf-16"))
-    assert read_rows(path).names == ("q 1", "q 2")
-    assert read_rows(path).values.tolist() == TWO
+    assert read_samples(path).names == ("q 1", "q 2")
+    assert read_samples(path).positions.tolist() == TWO
 
 
 @pytest.mark.parametrize(
@@ -57,16 +57,15 @@ def test_a_spreadsheet_in_utf_16(tmp_path):
 def test_a_column_of_times_is_checked_and_left_out(tmp_path, header):
     path = tmp_path / "points.csv"
     path.write_text(f'{header},"joint, 1",<b>"2"</b>\n0,0.5,-1.25\n1.5,1,2\n')
-    rows = read_rows(path)
-    assert rows.values.tolist() == TWO
+    rows = read_samples(path)
+    assert rows.positions.tolist() == TWO
     assert rows.names == ("joint, 1", '<b>"2"</b>')
 
 
 @pytest.mark.parametrize(
     ("text", "sentence"),
     {
-        "times go back": ("time,a\n0,1\n2,2\n1,3\n", "times must increase, but waypoint 3 has 1 s after 2 s"),
-        "times stand": ("time,a\n0,1\n0,2\n", "waypoint 2 has 0 s after 0 s"),
+        "times go back": ("time,a\n0,1\n2,2\n1,3\n", "times must increase, but row 3 has 1 s after 2 s"),
         "ragged": ("1,2\n3\n", "line 2: expected 2 columns as in the first line, got 1"),
         "words": ("1,2\n3,four\n", "line 2: expected a finite number, got 'four'"),
         "empty cell": ("1,2\n3,\n", "line 2: expected a finite number, got ''"),
@@ -81,7 +80,7 @@ def test_what_is_wrong_with_a_table_is_one_sentence(tmp_path, text, sentence):
     path = tmp_path / "points.csv"
     path.write_text(text)
     with pytest.raises(StudyError) as error:
-        read_rows(path)
+        read_samples(path)
     assert sentence in str(error.value)
     assert "\n" not in str(error.value)
 
@@ -93,8 +92,8 @@ def test_what_is_wrong_with_a_table_is_one_sentence(tmp_path, text, sentence):
 def test_a_joint_trajectory_gives_names_and_si_units(tmp_path, wrapped, ending):
     path = tmp_path / f"taught.{ending}"
     path.write_text(json.dumps(wrapped))
-    rows = read_rows(path)
-    assert rows.values.tolist() == TWO
+    rows = read_samples(path)
+    assert rows.positions.tolist() == TWO
     assert rows.names == ("a", "b")
     assert rows.si
 
@@ -102,7 +101,7 @@ def test_a_joint_trajectory_gives_names_and_si_units(tmp_path, wrapped, ending):
 def test_a_joint_trajectory_without_times_is_waypoints_too(tmp_path):
     path = tmp_path / "taught.json"
     path.write_text(json.dumps({"joint_names": ["a"], "points": [{"positions": [1]}, {"positions": [2]}]}))
-    assert read_rows(path).values.tolist() == [[1.0], [2.0]]
+    assert read_samples(path).positions.tolist() == [[1.0], [2.0]]
 
 
 @pytest.mark.parametrize("content", [TWO, {"waypoints": TWO}])
@@ -110,13 +109,13 @@ def test_a_joint_trajectory_without_times_is_waypoints_too(tmp_path):
 def test_rows_in_yaml_and_json(tmp_path, content, ending):
     path = tmp_path / f"points.{ending}"
     path.write_text(json.dumps(content))
-    assert read_rows(path).values.tolist() == TWO
+    assert read_samples(path).positions.tolist() == TWO
 
 
 def test_yaml_numbers_that_yaml_takes_for_text(tmp_path):
     path = tmp_path / "points.yaml"
     path.write_text("- [1e-3, 2]\n- [1_000.5, 3]\n")
-    np.testing.assert_array_equal(read_rows(path).values, [[0.001, 2], [1000.5, 3]])
+    np.testing.assert_array_equal(read_samples(path).positions, [[0.001, 2], [1000.5, 3]])
 
 
 @pytest.mark.parametrize(
@@ -132,7 +131,7 @@ def test_yaml_numbers_that_yaml_takes_for_text(tmp_path):
         "times go back": (
             '{"joint_names": ["a"], "points": [{"positions": [1], "time_from_start": {"sec": 2}},'
             '{"positions": [2], "time_from_start": {"sec": 1}}]}',
-            "point 2 has 1 s after 2 s",
+            "row 2 has 1 s after 2 s",
         ),
         "odd stamp": (
             '{"joint_names": ["a"], "points": [{"positions": [1], "time_from_start": "soon"}]}',
@@ -149,7 +148,7 @@ def test_what_is_wrong_with_a_message_is_one_sentence(tmp_path, text, sentence):
     path = tmp_path / "taught.json"
     path.write_text(text)
     with pytest.raises(StudyError) as error:
-        read_rows(path)
+        read_samples(path)
     assert sentence in str(error.value)
     assert "\n" not in str(error.value)
 

@@ -20,9 +20,9 @@ def urdf(tmp_path):
 def test_moveit_limits_follow_their_switches(tmp_path):
     path = tmp_path / "joint_limits.yaml"
     path.write_text(MOVEIT)
-    assert read_limits(path) == {
-        "panda_joint1": OneJoint(velocity=2.175, acceleration=3.75),
-        "joint <2>": OneJoint(velocity=1.0, lower=-0.5, upper=2.0),
+    assert read_limits(path).joints == {
+        "panda_joint1": OneJoint(velocity=0.2175, acceleration=3.75),
+        "joint <2>": OneJoint(velocity=0.1, lower=-0.5, upper=2.0),
     }
 
 
@@ -50,10 +50,10 @@ def test_what_is_wrong_with_moveit_limits_is_one_sentence(tmp_path, text, senten
 
 
 def test_urdf_limits(urdf):
-    assert read_limits(urdf) == {
-        "turn": OneJoint(velocity=3.14, lower=-1.5, upper=2.5, sliding=False),
-        "slide": OneJoint(velocity=0.25, lower=0.0, upper=0.6, sliding=True),
-        "spin": OneJoint(velocity=6.0, sliding=False),
+    assert read_limits(urdf).joints == {
+        "turn": OneJoint(velocity=3.14, lower=-1.5, upper=2.5, sliding=False, endless=False),
+        "slide": OneJoint(velocity=0.25, lower=0.0, upper=0.6, sliding=True, endless=False),
+        "spin": OneJoint(velocity=6.0, sliding=False, endless=True),
     }
 
 
@@ -107,7 +107,7 @@ def test_named_joints_pick_a_chain(urdf):
         "no links": ("<robot><joint name='a' type='fixed'/></robot>", "needs a parent link and a child link"),
         "xacro": (
             "<robot xmlns:xacro='http://ros.org/wiki/xacro'><xacro:include filename='a'/></robot>",
-            "xacro macros; expand it first",
+            "or expand it first",
         ),
         "bad number": (
             "<robot><joint name='a' type='revolute'><parent link='x'/><child link='y'/><limit velocity='pi'/></joint></robot>",

@@ -1,0 +1,148 @@
+"""The one door for files: what is refused on the way in, and what stays whole on the way out."""
+
+import json
+import os
+
+import numpy as np
+import pytest
+import yaml
+
+from study.errors import StudyError
+from study.files import as_written, csv_text, read_file, replacing, write_file
+from study.io.documents import DEEPEST, documents, parsed
+from study.io.exact import read_exact
+from study.io.limits import read_limits
+from study.io.recordings import read_samples
+from study.io.urdf import read_urdf
+
+
+def refused(path, read=parsed):
+    with pytest.raises(StudyError) as error:
+        read(path)
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+def written(tmp_path, name, text):
+    path = tmp_path / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+def test_a_pipe_and_an_endless_device_are_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "pipe.yaml")
+    assert "no regular file" in refused(tmp_path / "pipe.yaml")
+    (tmp_path / "zero.yaml").symlink_to("/dev/zero")
+    assert "no regular file" in refused(tmp_path / "zero.yaml")
+
+
+def test_a_file_above_the_limit_and_an_impossible_name_are_one_sentence(tmp_path):
+    path = written(tmp_path, "big.csv", b"1" * 101)
+    with pytest.raises(StudyError, match="larger than"):
+        read_file(path, most=100)
+    assert read_file(path, most=101) == b"1" * 101
+    assert "too long" in refused(tmp_path / ("x" * 5000 + ".yaml"))
+
+
+def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path):
+    path = written(tmp_path, "good.csv", "old")
+    with pytest.raises(StudyError, match="No space"), replacing(path) as part:
+        part.write_text("half a li")
+        raise OSError(28, "No space left on device")
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["good.csv"]
+
+
+def test_a_new_file_takes_the_old_ones_place_rights_and_link(tmp_path):
+    path = written(tmp_path, "good.csv", "old")
+    path.chmod(0o640)
+    (tmp_path / "link.csv").symlink_to(path)
+    write_file(tmp_path / "link.csv", "new")
+    assert (tmp_path / "link.csv").is_symlink()
+    assert path.read_text() == "new"
+    assert path.stat().st_mode & 0o777 == 0o640
+    with pytest.raises(StudyError, match="exists already"):
+        write_file(path, "newer", overwrite=False)
+
+
+def test_a_spreadsheet_takes_no_name_for_a_formula():
+    names = ["=cmd|' /C calc'!A0", "@sum", "-2+3", "+x", "plain", "-0.5", "+1e-3", ""]
+    cells = csv_text([names]).strip()
+    assert cells.split(",")[0].strip('"').startswith("'=")
+    assert [as_written(cell) for cell in ["'=a", "'plain", "a"]] == ["=a", "'plain", "a"]
+    assert ",-0.5,+1e-3," in cells
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "sentence"),
+    {
+        "double key in YAML": ("a.yaml", "limits: 1\nlimits: 2\n", "key 'limits' stands twice"),
+        "double key in JSON": ("a.json", '{"a": 1, "a": 2}', "key 'a' stands twice"),
+        "not a number in JSON": ("a.json", '{"a": NaN}', "NaN is no number"),
+        "deep JSON": ("a.json", "[" * 100_000, "nested too deeply"),
+        "deep YAML": ("a.yaml", "[" * (DEEPEST + 2) + "]" * (DEEPEST + 2), "nested too deeply"),
+        "digits": ("a.json", "1" * 5000, "cannot be read"),
+        "digits in YAML": ("a.yaml", "a: " + "1" * 5000, "cannot be read"),
+        "bomb": (
+            "a.yaml",
+            "a0: &a0 [x,x,x,x,x,x,x,x,x,x]\n"
+            + "".join(f"a{k}: &a{k} [{','.join([f'*a{k - 1}'] * 10)}]\n" for k in range(1, 9)),
+            "stands for too many values",
+        ),
+        "tag": ("a.yaml", "a: !!python/object:os.system {}\n", "could not determine a constructor"),
+        "two documents": ("a.yaml", "a: 1\n---\nb: 2\n", "holds 2 documents"),
+    }.values(),
+)
+def test_documents_that_are_refused(tmp_path, name, text, sentence):
+    assert sentence in refused(written(tmp_path, name, text))
+
+
+def test_documents_that_are_read(tmp_path):
+    rows = [[1.0, 2.0]] * 3
+    assert parsed(written(tmp_path, "shared.yaml", yaml.safe_dump({"rows": rows, "again": rows}))) == {
+        "rows": rows,
+        "again": rows,
+    }
+    assert documents(written(tmp_path, "many.yaml", "---\na: 1\n---\na: 2\n---\n")) == [{"a": 1}, {"a": 2}]
+    assert parsed(written(tmp_path, "angle.yaml", "a: !degrees 180.0\nb: !radians 2\n")) == {"a": np.pi, "b": 2.0}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b'time,a\n0,"' + b"1" * 200_000 + b'"\n1,2\n',
+        b"time,a\n0,1e400\n1,2\n",
+        "a,b\n1,\ud7ff\n".encode("utf-16"),
+    ],
+)
+def test_tables_that_are_refused(tmp_path, text):
+    assert "file" in refused(written(tmp_path, "a.csv", text), read_samples)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        {"kind": []},
+        {"kind": {}},
+        {"kind": "parametric", "time": [[]], "position": [[]]},
+        {"kind": "polynomial", "knots": [0, 10**400], "coefficients": [[[1]]], "waypoint_times": [0, 1]},
+        {"kind": "polynomial", "knots": [0, 1], "coefficients": [[[1.0]] * 3000], "waypoint_times": [0, 1]},
+    ],
+)
+def test_exact_files_that_are_refused(tmp_path, content):
+    text = json.dumps({"format": "time-optimal-study trajectory 1", **content})
+    assert "m.exact.json" in refused(written(tmp_path, "m.exact.json", text), read_exact)
+
+
+@pytest.mark.parametrize("encoding", ["bogus", "utf-7", "idna", "rot13", "hex"])
+def test_urdf_in_an_odd_encoding_is_one_sentence(tmp_path, encoding):
+    text = f"<?xml version='1.0' encoding='{encoding}'?><robot name='r'/>"
+    assert "a.urdf" in refused(written(tmp_path, "a.urdf", text), read_urdf)
+
+
+@pytest.mark.parametrize(
+    "entry", ["{max_velocity: true}", "{has_velocity_limits: 'false', max_velocity: 1}", f"{{max_velocity: {'9' * 400}}}"]
+)
+def test_limits_that_are_no_numbers_are_one_sentence(tmp_path, entry):
+    path = written(tmp_path, "l.yaml", f"joint_limits:\n  elbow: {entry}\n")
+    assert "joint 'elbow'" in refused(path, read_limits)
