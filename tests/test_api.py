@@ -239,7 +239,7 @@ print(plan(problem).duration, plan(problem, "ruckig-stops").reason, compare(prob
         ),
         ("from study.cases.library import load_case", "need the Python packages pydantic and pyyaml"),
         (
-            "from study.io.waypoints import read_rows; from pathlib import Path; read_rows(Path('a.yaml'))",
+            "from study.io.recordings import read_samples; from pathlib import Path; read_samples(Path('a.yaml'))",
             "pip install pyyaml",
         ),
     ],
@@ -387,7 +387,7 @@ def test_a_joint_without_an_acceleration_limit_is_warned_of_first_and_writes_no_
 def test_a_mistake_is_one_sentence_and_exit_code_2(small, study_command, tmp_path):
     for arguments, sentence in {
         ("plan", "nothing.yaml"): "does not exist",
-        ("check", "samples.csv"): "name the case that it solves with --case",
+        ("check", "samples.csv"): "does not exist",
         ("plan", small, "--units", "deg"): "go with a file of waypoints alone",
         ("plan", small, "--planner", "nonsense"): "no planner 'nonsense'",
         ("plan", small, "--save", "a.mat"): "must end in one of",

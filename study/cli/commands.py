@@ -23,7 +23,6 @@ PLACEHOLDERS = {
     "jobs": "N",
     "judges": "N",
     "joint": "N",
-    "judges": "N",
     "limits": "FILE",
     "memory": "MB",
     "out": "FOLDER",

@@ -93,7 +93,7 @@ def run(
     with Store(out / STORE_NAME) as store:
         remember_lineup(store, cells, {name: source for name, (_, source) in loaded.items()})
         for reason in () if planners and planners != ["all"] else unavailable_planners().values():
-            print(f"study: left out: {reason}", file=sys.stderr)
+            complain(f"left out: {reason}")
         with watching(chosen, live, stored_results(store, cells, chosen) if live else ()) as watch:
             run_missing(cell_jobs(cells, chosen), store, console, workers, watch)
         results = stored_results(store, cells, chosen)

@@ -46,9 +46,14 @@ def test_a_file_above_the_limit_and_an_impossible_name_are_one_sentence(tmp_path
 
 def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path):
     path = written(tmp_path, "good.csv", "old")
-    with pytest.raises(StudyError, match="No space"), replacing(path) as part:
-        part.write_text("half a li")
-        raise OSError(28, "No space left on device")
+
+    def fill_the_disk():
+        with replacing(path) as part:
+            part.write_text("half a li")
+            raise OSError(28, "No space left on device")
+
+    with pytest.raises(StudyError, match="No space"):
+        fill_the_disk()
     assert path.read_text() == "old"
     assert os.listdir(tmp_path) == ["good.csv"]
 
@@ -141,7 +146,8 @@ def test_urdf_in_an_odd_encoding_is_one_sentence(tmp_path, encoding):
 
 
 @pytest.mark.parametrize(
-    "entry", ["{max_velocity: true}", "{has_velocity_limits: 'false', max_velocity: 1}", f"{{max_velocity: {'9' * 400}}}"]
+    "entry",
+    ["{max_velocity: true}", "{has_velocity_limits: 'false', max_velocity: 1}", f"{{max_velocity: {'9' * 400}}}"],
 )
 def test_limits_that_are_no_numbers_are_one_sentence(tmp_path, entry):
     path = written(tmp_path, "l.yaml", f"joint_limits:\n  elbow: {entry}\n")

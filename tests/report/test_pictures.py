@@ -109,7 +109,7 @@ def test_too_few_results_and_a_folder_that_cannot_be_written_are_one_sentence(tm
     with pytest.raises(StudyError, match="too few results for pictures"):
         pictures_of(summarise_case(case, []), 0)
     (tmp_path / "file").write_text("")
-    with pytest.raises(StudyError, match="pictures cannot be written"):
+    with pytest.raises(StudyError, match="cannot write"):
         write_pictures(tmp_path / "file" / "p", "a", {"x.svg": b""})
 
 
