@@ -6,25 +6,9 @@ A result that a deadline cut short is not reproducible: on another machine, or w
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass
 
-
-@dataclass
-class Record:
-    """Whether a deadline was reached.
-
-    Attributes
-    ----------
-    reached : bool
-    """
-
-    reached: bool = False
-
-
-_record: ContextVar[Record | None] = ContextVar("record", default=None)
+from study.supervisor import supervisor
 
 
 @dataclass(frozen=True)
@@ -65,17 +49,6 @@ NEVER = Deadline(float("inf"))
 
 def record_cut() -> None:
     """Record that a time limit cut the planner short, as a solver with a clock of its own may say."""
-    record = _record.get()
-    if record is not None:
-        record.reached = True
-
-
-@contextmanager
-def watched() -> Iterator[Record]:
-    """Learn whether any deadline is reached in this block."""
-    record = Record()
-    token = _record.set(record)
-    try:
-        yield record
-    finally:
-        _record.reset(token)
+    watching = supervisor()
+    if watching is not None:
+        watching.deadline_reached = True

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum, StrEnum
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from study.choices import Choice
 from study.errors import StudyError
 from study.problem import Demand, EndCondition, Floats, Problem
+from study.supervisor import supervisor
 from study.trajectory import Motion
 
 
@@ -238,9 +239,6 @@ class Meter:
         Evaluations allowed in all.
     """
 
-    watch: ClassVar[Callable[[Meter, Floats], None] | None] = None
-    """Told of every population after it has been counted, where somebody watches this process."""
-
     def __init__(self, objective: Callable[[Floats], Floats], budget: int) -> None:
         self.objective = objective
         self.budget = budget
@@ -289,5 +287,6 @@ class Meter:
             self.incumbent, self.incumbent_value = candidates[best].copy(), value
         self._history.append((self.evaluations, self.incumbent_value))
         self._incumbents.append(candidates[0] if self.incumbent is None else self.incumbent)
-        if Meter.watch is not None:
-            Meter.watch(self, candidates)
+        watching = supervisor()
+        if watching is not None and watching.on_population is not None:
+            watching.on_population(self, candidates)

@@ -10,7 +10,7 @@ import pytest
 
 from study.cases.library import load_case
 from study.code_digest import _imports, code_digest
-from study.deadline import NEVER, Deadline, watched
+from study.deadline import NEVER, Deadline
 from study.planning import Status
 from study.problem import JointLimits
 from study.registry import planner_code
@@ -18,6 +18,7 @@ from study.runs.execute import CellJob, cell_jobs, stored_results
 from study.runs.lineup import Budget, make_cells, parse_specs
 from study.runs.runner import run_jobs
 from study.store.store import Store
+from study.supervisor import supervised
 
 
 def digest_of(folder, jobs, planners, seeds):
@@ -111,13 +112,13 @@ def test_what_a_clock_decided_says_so(planner):
 
 def test_deadlines_are_recorded_however_deep_and_only_inside_the_block():
     late, soon = Deadline.after(-1.0), Deadline.after(3600.0)
-    with watched() as outer:
+    with supervised() as outer:
         assert not NEVER.passed()
         assert not soon.passed()
-        assert not outer.reached
-        with watched() as inner:
+        assert not outer.deadline_reached
+        with supervised() as inner:
             assert late.passed()
-        assert (inner.reached, outer.reached) == (True, False)
+        assert (inner.deadline_reached, outer.deadline_reached) == (True, False)
     assert late.passed()
     assert late.left() == 0.0 < soon.within(60.0).left() <= 60.0 < soon.left()
 

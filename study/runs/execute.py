@@ -10,20 +10,19 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from study.bounds import LowerBound, Method
-from study.deadline import watched
 from study.demands import refusal
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import Plan, Planner, RunSettings, Status, in_time
 from study.problem import Problem
 from study.registry import method_named
-from study.runs.pool import speaker
-from study.runs.progress import reporting
+from study.runs.progress import reporter
 from study.store.codec import cell_digest, check_storable, decode, encode, settings_text
 from study.store.kept import Encoded
 from study.store.provenance import code_behind
 from study.store.results import Cell, Result
 from study.store.store import Store
+from study.supervisor import supervised, supervisor
 
 if TYPE_CHECKING:  # cases need more packages than planning does
     from study.cases.case import Case
@@ -95,13 +94,14 @@ class CellJob:
             started = time.perf_counter()
             if reason := refusal(self.problem.planner_demands, method.knows):
                 return self.failed(reason, 0.0, Status.NOT_APPLICABLE)
-            with watched() as watch, reporting(speaker()):
+            outer = supervisor()
+            with supervised(reporter(None if outer is None else outer.tell)) as watch:
                 answer = asked(method, self.problem, self.cell.settings)
             wall_time = time.perf_counter() - started
             result = (
                 judged(self, answer, wall_time) if isinstance(answer, Plan) else proved(self.cell, answer, wall_time)
             )
-            return cut_short(result) if watch.reached else result
+            return cut_short(result) if watch.deadline_reached else result
         except StudyError as error:
             reason = str(error)
         except MemoryError:

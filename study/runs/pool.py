@@ -21,6 +21,8 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
+from study.supervisor import supervised
+
 MEMORY = Path("/proc/self/statm").exists()
 """Whether this system can limit the memory of a worker."""
 
@@ -36,12 +38,6 @@ _THREADS = (
 _Task = tuple[Future[Any], Callable[..., Any], tuple[Any, ...], dict[str, Any]]
 _spawn = multiprocessing.get_context("spawn")
 _starting = threading.Lock()
-_speak: Callable[[Any], None] | None = None
-
-
-def speaker() -> Callable[[Any], None] | None:
-    """In a worker that is listened to, the way to say something in the middle of a task; None anywhere else."""
-    return _speak
 
 
 class WorkerDied(Exception):
@@ -234,9 +230,7 @@ def _ending(code: int | None) -> str:
 
 def _serve(pipe: Connection, memory: int | None = None, heard: bool = False) -> None:
     """Work off tasks until the other end closes; native chatter would spoil the display, so it goes nowhere."""
-    global _speak
-    if heard:
-        _speak = lambda said: pipe.send((None, said))  # noqa: E731
+    tell = (lambda said: pipe.send((None, said))) if heard else None
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the main process's business
     threading.Thread(target=_die_with_parent, daemon=True).start()
     with open(os.devnull, "w") as nowhere:
@@ -251,7 +245,8 @@ def _serve(pipe: Connection, memory: int | None = None, heard: bool = False) -> 
         if memory is not None:
             _limit_memory(memory)
             memory = None
-        outcome = _outcome(fn, args, kwargs)
+        with supervised(tell=tell):
+            outcome = _outcome(fn, args, kwargs)
         try:
             pipe.send(outcome)
         except (TypeError, AttributeError, pickle.PicklingError) as error:

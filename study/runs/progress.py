@@ -1,10 +1,9 @@
-"""What a search says of itself while it runs, for those who watch; results and their number of evaluations are the same."""
+"""Progress reports of a running search; results and their number of evaluations are the same with and without."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -58,14 +57,6 @@ class _Reporter:
         return Progress(sum(meter.evaluations for meter in self.seen), np.max(driven, axis=0), candidates)
 
 
-@contextmanager
-def reporting(tell: Callable[[Progress], None] | None) -> Iterator[None]:
-    """Let every search in this block report a few times a second; nothing is done, and no time taken, without `tell`."""
-    if tell is None:
-        yield
-        return
-    Meter.watch = _Reporter(tell)
-    try:
-        yield
-    finally:
-        Meter.watch = None
+def reporter(tell: Callable[[Progress], None] | None) -> Callable[[Meter, Floats], None] | None:
+    """Let every search of a run report a few times a second; nothing is done, and no time taken, without `tell`."""
+    return None if tell is None else _Reporter(tell)

@@ -5,6 +5,7 @@ import os
 import re
 import signal
 import time
+import zlib
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from html.parser import HTMLParser
@@ -39,6 +40,7 @@ from study.robots.helix import helix_configurations
 from study.runs.runner import run_jobs
 from study.search.loop import minimise
 from study.search.pso import PSO
+from study.search.sca import SCA
 from study.search.state import Box
 from study.store.kept import key_of
 from study.store.maintenance import verify
@@ -195,6 +197,21 @@ def test_a_benchmark_cell_is_plain_minimisation():
     assert record["curve"][-1] == pytest.approx(np.median(record["finals"]))
     assert record["generations"][-1] == 5
     assert CELL.run()["finals"] == record["finals"]
+
+
+@pytest.mark.parametrize(
+    ("search", "text"),
+    [
+        (
+            PSO(),
+            "PSO(inertia=(0.9, 0.4), cognitive=2.0, social=2.0, flight=Flight(clamp=0.2, unit='share', bounds='clip'))",
+        ),
+        (SCA(), "SCA(amplitude=2.0, bounds='clip')"),
+    ],
+)
+def test_random_streams_stay_as_they_were_when_the_verdicts_were_committed(search, text):
+    job = BenchmarkJob("ur5-smwoa", "F2", "standard", search, 5, 3, 2)
+    assert job._stream() == zlib.crc32(f"('ur5-smwoa', 'F2', {text})".encode())
 
 
 def test_a_joint_that_stands_still_is_fastest_at_the_least_durations():

@@ -14,6 +14,7 @@ from study.runs.lineup import Budget, make_cells, parse_specs
 from study.runs.pool import MEMORY
 from study.runs.runner import RunOptions, run_guarded, run_jobs
 from study.store.store import Store
+from tests.helpers.jobs import every_kind
 
 distributed = pytest.importorskip("distributed", reason="Dask is an extra")
 psutil = pytest.importorskip("psutil", reason="comes with Dask")
@@ -63,14 +64,29 @@ def test_a_real_scheduler_that_loses_a_worker_brings_the_same_results(run, tmp_p
 
 @pytest.mark.filterwarnings("default")
 @pytest.mark.timeout(200)
-def test_a_scheduler_of_our_own_runs_the_study_and_listens_on_this_machine_alone(run):
+def test_a_scheduler_of_our_own_runs_every_kind_of_job_and_listens_on_this_machine_alone(run, tmp_path):
     with dask_executor("local", 1) as executor:
         processes = [psutil.Process(), *psutil.Process().children(recursive=True)]
         listening = [c.laddr.ip for p in processes for c in p.net_connections() if c.status == psutil.CONN_LISTEN]
         results, _ = run("r", "stub-seeded", executor=executor)
+        others = every_kind([])
+        with Store(tmp_path / "others") as store:
+            run_jobs(others, store, executor=executor)
+            assert store.missing(others) == []
     assert len(results) == 2
     assert listening
     assert set(listening) <= {"127.0.0.1", "::1"}
+
+
+def test_every_kind_of_job_runs_alike_on_any_engine(tmp_path, tiny_case, stubs):
+    jobs = every_kind(cell_jobs(make_cells([tiny_case], parse_specs("stub-seeded"), Budget(2)), {"tiny": tiny_case}))
+    digests = []
+    for name in ("here", "there"):
+        with Store(tmp_path / name) as store, ThreadPoolExecutor(1) as threads:
+            run_jobs(jobs, store, workers=1, executor=threads if name == "there" else None)
+            assert store.missing(jobs) == []
+            digests.append(store.digest())
+    assert digests[0] == digests[1]
 
 
 def test_workers_with_other_code_are_refused(tiny_case, stubs):

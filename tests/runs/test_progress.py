@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from study.cases.library import Case
-from study.planning import Meter
 from study.registry import planner_named
 from study.runs import progress
 from study.runs.execute import CellJob, cell_jobs
 from study.runs.lineup import Budget, make_cells, parse_specs
-from study.runs.pool import Overdue, WorkerPool, speaker
-from study.runs.progress import Progress, reporting
+from study.runs.pool import Overdue, WorkerPool
+from study.runs.progress import Progress, reporter
 from study.runs.runner import RunOptions, run_jobs
 from study.store.results import Cell
 from study.store.store import Store
+from study.supervisor import supervised, supervisor
 
 
 def cells_of(case: Case, specs: str, seeds: int = 1, evaluations: int = 120) -> list[Cell]:
@@ -32,9 +32,9 @@ def test_reports_agree_with_the_history_that_the_search_hands_in(
     monkeypatch.setattr(progress, "PERIOD", 0.0)
     (cell,) = cells_of(tiny_case, spec)
     said: list[Progress] = []
-    with reporting(said.append):
+    with supervised(reporter(said.append)):
         plan = planner_named(cell.planner).plan(tiny_case.problem, cell.settings)
-    assert Meter.watch is None
+    assert supervisor() is None
     counts = [one.evaluations for one in said]
     assert counts == sorted(counts)
     assert counts[-1] == plan.evaluations
@@ -50,9 +50,9 @@ def test_reports_agree_with_the_history_that_the_search_hands_in(
 
 def test_a_search_that_nobody_watches_reports_nothing(tiny_case: Case) -> None:
     (cell,) = cells_of(tiny_case, "pso")
-    assert speaker() is None
-    CellJob(cell, tiny_case.problem).run()
-    assert Meter.watch is None
+    assert supervisor() is None
+    assert CellJob(cell, tiny_case.problem).run().verdict is not None
+    assert supervisor() is None
 
 
 @pytest.mark.timeout(90)
@@ -71,7 +71,7 @@ def test_watching_a_run_changes_no_result(tiny_case: Case, tmp_path: Path) -> No
 
 def talk(seconds: float, pause: float) -> str:
     """Say how often one has spoken, again and again."""
-    say, end = speaker(), time.monotonic() + seconds
+    say, end = supervisor().tell, time.monotonic() + seconds
     spoken = 0
     while say is not None and time.monotonic() < end:
         say(spoken)
@@ -83,7 +83,11 @@ def talk(seconds: float, pause: float) -> str:
 @pytest.mark.timeout(60)
 def test_what_a_worker_says_arrives_in_order_and_buys_no_time() -> None:
     heard: list[tuple[int, float]] = []
-    with WorkerPool(1, lambda *args: 2.0, hear=lambda said, seconds, pause: heard.append((said, seconds))) as pool:
+    with WorkerPool(
+        1,
+        lambda seconds, _: 40.0 if seconds < 1 else 2.0,
+        hear=lambda said, seconds, pause: heard.append((said, seconds)),
+    ) as pool:
         assert pool.submit(talk, 0.3, 0.01).result() == "done"
         assert [said for said, _ in heard] == list(range(len(heard)))
         assert len(heard) > 2

@@ -204,17 +204,19 @@ KILL_SCRIPT = """
 import sys
 from pathlib import Path
 from study.cases.library import load_case
-from study.runs.execute import cell_jobs, stored_results
+from study.runs.execute import cell_jobs
 from study.runs.lineup import Budget, make_cells, parse_specs
 from study.runs.runner import run_jobs
 from study.store.store import Store
+from tests.helpers.jobs import every_kind
 
 if __name__ == "__main__":
-    path, case, jobs = Path(sys.argv[1]), load_case(sys.argv[2]), int(sys.argv[3])
+    path, case, workers = Path(sys.argv[1]), load_case(sys.argv[2]), int(sys.argv[3])
     cells = make_cells([case], parse_specs("stub-slow,pso:scaled,shared,stub-crash,stub-steady"), Budget(4, 60))
+    jobs = every_kind(cell_jobs(cells, {case.name: case}))
     with Store(path) as store:
-        run_jobs(cell_jobs(cells, {case.name: case}), store, workers=jobs)
-        print(len(stored_results(store, cells, {case.name: case})), store.digest())
+        run_jobs(jobs, store, workers=workers)
+        print(len(store.outcomes(jobs)), store.digest())
 """
 
 
@@ -231,7 +233,7 @@ def children_of(pid: int) -> list[int]:
 
 @pytest.mark.timeout(400)
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks at /proc")
-def test_kill_9_loses_only_cells_in_flight_and_the_next_run_ends_the_same(tmp_path, script):
+def test_kill_9_loses_only_jobs_in_flight_and_the_next_run_ends_the_same(tmp_path, script):
     whole = subprocess.run(script("whole.sqlite", 1), capture_output=True, text=True, check=True, timeout=200).stdout
     path = tmp_path / "killed.sqlite"
     process = subprocess.Popen(script("killed.sqlite", 2), stdout=subprocess.DEVNULL)
@@ -240,14 +242,14 @@ def test_kill_9_loses_only_cells_in_flight_and_the_next_run_ends_the_same(tmp_pa
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
     kept = stored(path)
-    assert 2 <= kept < 13
+    assert 2 <= kept < 19
     wait_until(lambda: not any(alive(pid) for pid in workers))  # nobody is left behind
     resumed = subprocess.run(script("killed.sqlite", 2), capture_output=True, text=True, check=True, timeout=200).stdout
     print(
-        f"\nruns killed: 1 after {kept} of 13 cells, workers left behind: 0, cells lost: {13 - int(resumed.split()[0])}"
+        f"\nruns killed: 1 after {kept} of 19 jobs, workers left behind: 0, jobs lost: {19 - int(resumed.split()[0])}"
     )
     assert resumed == whole
-    assert whole.startswith("13 ")
+    assert whole.startswith("19 ")
 
 
 def alive(pid: int) -> bool:

@@ -20,9 +20,10 @@ from baselines.units import dimensionless, largest_steps
 from study import JointLimits, Problem, deadline, judge
 from study.cases.library import load_case
 from study.curves import CURVES
-from study.deadline import NEVER, Deadline, watched
+from study.deadline import NEVER, Deadline
 from study.formulation import Scaled
 from study.planning import RunSettings, Status
+from study.supervisor import supervised
 from tests.helpers.segment_problems import WOODWORKING, random_problem
 
 
@@ -214,17 +215,17 @@ def test_a_deadline_ends_the_spline_s_boxes_and_the_bound_so_far_holds(monkeypat
     monkeypatch.setattr(deadline, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     whole, boxes = spline_bound(problem, total)
     for cuts in (0, 3, 20):
-        with watched() as watch:
+        with supervised() as watch:
             value, done = spline_bound(problem, total, deadline=Deadline(next(clock) + cuts))
-        assert watch.reached
+        assert watch.deadline_reached
         assert done <= 2 * cuts < boxes
         values.append(value)
     shortest = _bounds_spline.shortest_durations(problem).sum()
     assert values[0] == pytest.approx(shortest, rel=2e-5)
     assert shortest < values[1] <= values[2] <= whole < total
-    with watched() as watch:
+    with supervised() as watch:
         assert spline_bound(problem, total, deadline=Deadline(next(clock) + 1e6)) == (whole, boxes)
-    assert not watch.reached
+    assert not watch.deadline_reached
 
 
 @pytest.mark.parametrize("curve", ["poly353", "cubic-spline", "bspline"])
@@ -235,9 +236,9 @@ def test_joints_whose_turn_comes_too_late_are_enclosed_without_a_solver(
     problem, asked, clock = random_problem(2, 4, 3), [], chain([0.0, 0.0], count(1e9))
     monkeypatch.setattr(certified, "optimise", lambda *args, **rest: asked.append(args) or optimise(*args, **rest))
     monkeypatch.setattr(deadline, "time", SimpleNamespace(monotonic=lambda: next(clock)))
-    with watched() as watch:
+    with supervised() as watch:
         plan = Certified().plan(problem, RunSettings(curve, synchronisation="per-joint", time_limit=30.0))
-    assert watch.reached
+    assert watch.deadline_reached
     assert len(asked) == 1
     assert plan.status is Status.NOT_CONVERGED
     assert "of the time apart" in plan.message

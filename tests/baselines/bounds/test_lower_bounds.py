@@ -19,8 +19,9 @@ from baselines.state_to_state.stops import ruckig_stops
 from baselines.state_to_state.via import ruckig_via
 from study import EndCondition, JointLimits, Problem, deadline, judge
 from study.curves import CURVES
-from study.deadline import Deadline, watched
+from study.deadline import Deadline
 from study.planning import Freedom, RunSettings
+from study.supervisor import supervised
 from tests.helpers.reference_problems import EACH_LIMIT, INF, small, woodworking
 
 
@@ -224,9 +225,9 @@ def test_a_deadline_ends_the_bound_between_two_segments_and_what_it_proved_holds
     work, values = len(looks.made), []
     for seconds in (-1, 7, 40, 70, 100):
         looks.made.clear()
-        with watched() as watch:
+        with supervised() as watch:
             cut = bound(problem, n_cells=12, deadline=Deadline(looks.now() + seconds))
-        assert watch.reached
+        assert watch.deadline_reached
         assert len(looks.made) <= max(seconds, 0) < work
         assert cut.rounds <= whole.rounds
         values.append(cut.value)
@@ -234,9 +235,9 @@ def test_a_deadline_ends_the_bound_between_two_segments_and_what_it_proved_holds
     assert values[0] == values[1] == pytest.approx(straight)
     assert straight < values[2] < values[-1] <= whole.value
     assert values == sorted(values)
-    with watched() as watch:
+    with supervised() as watch:
         assert bound(problem, n_cells=12, deadline=Deadline(looks.now() + 1e6)).value == whole.value
-    assert not watch.reached
+    assert not watch.deadline_reached
 
 
 def test_weights_are_sought_until_the_deadline_and_at_least_once(looks):
@@ -257,7 +258,7 @@ def test_after_its_time_limit_the_planner_asks_no_solver(monkeypatch):
     monkeypatch.setattr(via_module, "free_path", refuse)
     for name in ("shortest_times", "chain_weights"):
         monkeypatch.setattr(lower_bounds, name, refuse)
-    with watched() as watch:
+    with supervised() as watch:
         proved = AnyMotionBound().bound(woodworking(), RunSettings("poly353", time_limit=1e-9))
-    assert watch.reached
+    assert watch.deadline_reached
     assert 0 < proved.value < 3.2 < proved.details["known"] < np.inf
