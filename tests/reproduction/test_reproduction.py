@@ -266,7 +266,7 @@ def test_neither_the_number_of_workers_nor_measured_seconds_change_the_digest(tm
 )
 def test_a_job_names_every_planner_that_it_asks_the_registry_for(job, monkeypatch):
     asked, load = set(), registry._load
-    monkeypatch.setattr(registry, "_load", lambda name, path: asked.add(name) or load(name, path))
+    monkeypatch.setattr(registry, "_load", lambda kind, name, path: asked.add(name) or load(kind, name, path))
     job.run()
     assert asked == set(job.planners())
 
