@@ -1,0 +1,85 @@
+"""Trajectories from the command line: wishes about time, no false alarm on our own files, and limits alone."""
+
+import numpy as np
+import pytest
+
+from study.io.recordings import read_samples
+
+LIMITS = "joint_limits:\n" + "".join(
+    f"  {name}: {{has_velocity_limits: true, max_velocity: 1.0, has_acceleration_limits: true, max_acceleration: 2.0}}\n"
+    for name in ("a", "b")
+)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "l.yaml").write_text(LIMITS)
+    for name, jerk in (("smooth", ", jerk: 10"), ("stepped", "")):
+        limits = f"{{velocity: 1, acceleration: 2{jerk}}}"
+        rows = "[[0.0, 0.2], [0.5, -0.1], [0.9, 0.3]]"
+        (tmp_path / f"{name}.yaml").write_text(f"units: rad\njoints: [a, b]\nwaypoints: {rows}\nlimits: {limits}\n")
+    return tmp_path
+
+
+def planned(study, folder, case, file, *options):
+    ended = study("plan", f"{case}.yaml", "--planner", "ruckig-stops", "--save", file, *options, cwd=folder)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    return ended.stdout
+
+
+@pytest.mark.parametrize("case", ["smooth", "stepped"])
+@pytest.mark.parametrize("file", ["m.csv", "m.yaml", "m.json", "m.npz", "m.exact.json"])
+def test_no_false_alarm_on_our_own_files(study_command, folder, case, file):
+    planned(study_command, folder, case, file)
+    ended = study_command("check", file, "--case", f"{case}.yaml", cwd=folder)
+    assert ended.returncode == 0, ended.stdout
+    assert ended.stdout.rstrip().endswith("feasible")
+
+
+def test_limits_alone_judge_a_trajectory_with_its_joints_in_any_order(study_command, folder):
+    planned(study_command, folder, "smooth", "m.csv")
+    head, *rows = (folder / "m.csv").read_text().splitlines()
+    order = [0, 2, 1, 4, 3, 6, 5]
+    lines = [",".join(line.split(",")[k] for k in order) for line in (head, *rows)]
+    (folder / "swapped.csv").write_text("\n".join(lines))
+    ended = study_command("check", "swapped.csv", "--limits", "l.yaml", cwd=folder)
+    assert ended.returncode == 0, ended.stdout
+    assert study_command("check", "swapped.csv", "--case", "smooth.yaml", cwd=folder).returncode == 0
+
+
+def test_breaches_at_the_samples_and_between_them_are_said_apart(study_command, folder):
+    (folder / "fast.csv").write_text("time,a,b\n0,0,0\n0.1,1,0\n0.2,2,0\n")
+    ended = study_command("check", "fast.csv", "--limits", "l.yaml", "--interpolation", "linear", cwd=folder)
+    assert ended.returncode == 3
+    assert "infeasible at the samples: velocity of a reaches 10 of its limit" in ended.stdout
+    assert "joined by straight lines" in ended.stdout
+    wanting = study_command("check", "fast.csv", "--limits", "l.yaml", "--interpolation", "cubic", cwd=folder)
+    assert "has no velocities, which cubic interpolation needs" in wanting.stderr
+
+
+def test_wishes_about_time(study_command, folder):
+    planned(study_command, folder, "smooth", "d.csv", "--duration", "4", "--points", "20")
+    slow = read_samples(folder / "d.csv")
+    assert slow.times[-1] == pytest.approx(4.0)
+    assert len(slow.times) == 20
+    planned(study_command, folder, "smooth", "c.csv", "--cycle", "0.008")
+    cycles = read_samples(folder / "c.csv")
+    assert np.diff(cycles.times) == pytest.approx(0.008)
+    planned(study_command, folder, "smooth", "h.csv", "--speed", "0.5")
+    planned(study_command, folder, "smooth", "f.csv")
+    half, full = read_samples(folder / "h.csv"), read_samples(folder / "f.csv")
+    assert half.times[-1] == pytest.approx(2 * full.times[-1], rel=1e-3)
+    for samples in (slow, cycles, half, full):
+        assert (samples.velocities[[0, -1]] == 0).all()
+
+
+def test_impossible_wishes_are_refused_before_the_work(study_command, folder):
+    for options, sentence in (
+        (("--rate", 0), "positive number of samples"),
+        (("--points", 1), "at least 2"),
+        (("--speed", 2), "at most 1"),
+        (("--rate", 100, "--points", 5), "give one of them"),
+    ):
+        ended = study_command("plan", "smooth.yaml", *options, cwd=folder)
+        assert ended.returncode == 2
+        assert sentence in ended.stderr
