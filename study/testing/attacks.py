@@ -217,7 +217,9 @@ def _overflow(rng: np.random.Generator, problem: Problem, motion: Trajectory) ->
 def _extreme(rng: np.random.Generator, problem: Problem, motion: Trajectory) -> Pair:
     """The same motion in units in which numbers come near the end of double precision."""
     factor = 10.0 ** rng.uniform(-15, 15)
-    return replace(problem, limits=problem.limits.scaled(factor), duration_bounds=(0.0, 1e300)), motion.scaled(factor)
+    dwells = {waypoint: time * factor for waypoint, time in problem.dwells.items()}
+    limits = problem.limits.scaled(factor)
+    return replace(problem, limits=limits, dwells=dwells, duration_bounds=(0.0, 1e300)), motion.scaled(factor)
 
 
 ATTACKS: dict[str, Callable[[np.random.Generator, Problem, Trajectory], Pair]] = {
