@@ -223,10 +223,8 @@ def usual_settings(problem: Problem) -> RunSettings:
 
 
 def usual_curve(problem: Problem) -> str:
-    """Name the curve family that gives the ends what the problem demands of them."""
-    if problem.end is not EndCondition.SMOOTH:
-        return "cubic-spline"
-    return "poly353" if problem.n_waypoints == 4 else "cubic-spline-smooth"
+    """Name the curve family that gives the ends the acceleration that the problem demands of them."""
+    return "cubic-spline-smooth" if problem.end is EndCondition.SMOOTH else "cubic-spline"
 
 
 class Meter:

@@ -295,7 +295,7 @@ def test_init_check_plan(tmp_path, study_command):
     assert again.returncode == 2
     assert again.stderr == "study: file 'my_case.yaml' exists already; name another one or move it away\n"
     checked = study_command("check", "my_case.yaml", cwd=tmp_path)
-    assert "planner auto tries ruckig-via: Ruckig through the waypoints" in checked.stdout
+    assert "planner auto tries free-path: free path in pieces" in checked.stdout
     assert "the case is complete" in checked.stdout
     planned = study_command("plan", "my_case.yaml", "--planner", "casadi-nlp", "--rate", 50, cwd=tmp_path)
     assert planned.returncode == 0, planned.stderr
@@ -311,7 +311,7 @@ def test_init_check_plan(tmp_path, study_command):
 def test_plan_says_why_and_saves_where_told(small, study_command, tmp_path):
     ended = study_command("plan", small, "--save", tmp_path / "a.csv", "--save", tmp_path / "b.exact.json")
     assert ended.returncode == 0, ended.stderr
-    assert "planner ruckig-via: Ruckig through the waypoints" in ended.stdout
+    assert "planner free-path: free path in pieces" in ended.stdout
     assert "taken: " in ended.stdout
     assert read_exact(tmp_path / "b.exact.json").duration == pytest.approx(2.62, rel=0.05)
 
@@ -409,7 +409,7 @@ def test_end_condition_decides_the_curve():
     from study.planning import usual_curve
 
     problems = {end: Problem("p", FOUR, JointLimits(V, A, J), end) for end in EndCondition}
-    assert [usual_curve(problems[end]) for end in EndCondition] == ["cubic-spline", "cubic-spline", "poly353"]
+    assert [usual_curve(problems[end]) for end in EndCondition] == ["cubic-spline", "cubic-spline", "cubic-spline-smooth"]
     assert usual_curve(Problem("p", FOUR[:3], JointLimits(V, A, J), EndCondition.SMOOTH)) == "cubic-spline-smooth"
 
 

@@ -124,7 +124,7 @@ def test_the_ten_lines_run_and_write_a_message(tmp_path):
     code = [line for line in lines.splitlines()[2:] if line.strip()]
     assert len(code) <= 10
     shown = run([EXAMPLES / "ten_lines.py"], tmp_path)
-    assert shown.startswith("ruckig-via: 2.6")
+    assert shown.startswith("free-path: 2.7")
     assert "time_from_start" in (tmp_path / "mine.trajectory.yaml").read_text()
 
 

@@ -12,13 +12,13 @@ HEADLINE_SEARCHES = (
 )
 """Searches of the default line-up; every deterministic planner stands beside them."""
 
-COMPARED = ("free-path-nlp", "ruckig-via", "casadi-nlp", "toppra", "ruckig-stops", "golds-pso", "random-search")
+COMPARED = ("free-path", "ruckig-via", "casadi-nlp", "toppra", "ruckig-stops", "golds-pso", "random-search")
 """Planners for a case of one's own: every deterministic kind, one metaheuristic and the floor."""
 
-AUTO = ("ruckig-via", "free-path-nlp", "ruckig-stops")
+AUTO = ("free-path", "ruckig-stops")
 """Planners that `plan` tries by itself; the fastest motion of all is the answer, and the last always has one."""
 
-AUTO_RESERVE = ("casadi-nlp",)
+AUTO_RESERVE = ("ruckig-via", "casadi-nlp")
 """Planners that are tried too where those above bring nothing but a stop at every waypoint."""
 
 AUTO_UNBOUNDED = ("free-path-nlp", "ruckig-stops")
