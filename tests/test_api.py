@@ -226,7 +226,7 @@ print(plan(problem).duration, plan(problem, "ruckig-stops").reason, compare(prob
 """
     ended = without_packages(code)
     assert ended.returncode == 0, ended.stderr
-    assert ended.stdout.startswith("2.59")
+    assert ended.stdout.startswith("2.58")
     assert "needs the Python package 'ruckig', which is not installed; install it with pip" in ended.stdout
 
 
