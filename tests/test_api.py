@@ -409,7 +409,11 @@ def test_end_condition_decides_the_curve():
     from study.planning import usual_curve
 
     problems = {end: Problem("p", FOUR, JointLimits(V, A, J), end) for end in EndCondition}
-    assert [usual_curve(problems[end]) for end in EndCondition] == ["cubic-spline", "cubic-spline", "cubic-spline-smooth"]
+    assert [usual_curve(problems[end]) for end in EndCondition] == [
+        "cubic-spline",
+        "cubic-spline",
+        "cubic-spline-smooth",
+    ]
     assert usual_curve(Problem("p", FOUR[:3], JointLimits(V, A, J), EndCondition.SMOOTH)) == "cubic-spline-smooth"
 
 
