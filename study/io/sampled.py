@@ -110,12 +110,32 @@ def _pieces(
         slopes = np.diff(orders[0], axis=0) / np.diff(times)[:, None]
         return PPoly(np.stack([slopes, orders[0][:-1]]), times), said
     if chosen is Interpolation.QUINTIC:
-        return PPoly.from_bernstein_basis(BPoly.from_derivatives(times, np.stack(orders, axis=1))), said
+        return _quintic(times, np.stack(orders, axis=1)), said
     if chosen is Interpolation.CUBIC:
         return CubicHermiteSpline(times, orders[0], orders[1]), said
     if end is EndCondition.FREE:
         return CubicSpline(times, orders[0], bc_type="not-a-knot"), f"{said}, its ends as the samples suggest"
     return CubicSpline(times, orders[0], bc_type="clamped"), f"{said}, taken to be at rest at both ends"
+
+
+ROUNDING = 64 * float(np.finfo(float).eps)
+
+
+def _quintic(times: Floats, states: Floats) -> PPoly[np.float64]:
+    """Quintic pieces through positions, velocities and accelerations, states of shape (n_samples, 3, n_joints).
+
+    In microseconds the third difference of positions is rounding and nothing else. Where linear acceleration meets the next
+    sample to the last digits, the piece has linear acceleration.
+    """
+    pieces = PPoly.from_bernstein_basis(BPoly.from_derivatives(times, states))
+    h = np.diff(times)[:, None]
+    (q0, v0, a0), (q1, v1, a1) = np.moveaxis(states[:-1], 1, 0), np.moveaxis(states[1:], 1, 0)
+    missed = np.abs(q0 + h * (v0 + h * (2 * a0 + a1) / 6) - q1), np.abs(v0 + h * (a0 + a1) / 2 - v1)
+    position, velocity, _ = np.abs(states).max(axis=0)
+    near = (missed[0] <= ROUNDING * position) & (missed[1] <= ROUNDING * velocity)
+    linear = np.stack([np.zeros_like(q0), np.zeros_like(q0), (a1 - a0) / (6 * h), a0 / 2, v0, q0])
+    pieces.c[:, near] = linear[:, near]
+    return pieces
 
 
 def sample_use(samples: Samples, problem: Problem) -> list[tuple[float, str]]:

@@ -83,3 +83,14 @@ def test_impossible_wishes_are_refused_before_the_work(study_command, folder):
         ended = study_command("plan", "smooth.yaml", *options, cwd=folder)
         assert ended.returncode == 2
         assert sentence in ended.stderr
+
+
+def test_samples_a_few_microseconds_apart_are_no_false_alarm(tmp_path, study_command):
+    study_command("init", cwd=tmp_path)
+    planned = study_command("plan", "my_case.yaml", "--planner", "free-path", cwd=tmp_path)
+    assert planned.returncode == 0, planned.stderr
+    for form in ("csv", "yaml", "npz", "exact.json"):
+        checked = study_command(
+            "check", f"study-output/trajectories/my_case.{form}", "--case", "my_case.yaml", cwd=tmp_path
+        )
+        assert checked.returncode == 0, checked.stdout
