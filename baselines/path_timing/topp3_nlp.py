@@ -6,7 +6,7 @@ s(t) is a cubic spline, the motion a polynomial of degree 9 in every piece, and 
 of the path's second derivative is. Limits are held at points of every piece, at first evenly spread, then wherever the
 last solution peaked; what is still above them after the last round is removed by stretching the motion by its exact factor.
 
-The path is TOPP-RA's own (`baselines.path_timing.toppra.chord_path`), so the two differ by the jerk limit alone.
+The path is the clamped one of `toppra` (`baselines.path_timing.toppra.chord_path`).
 """
 
 from __future__ import annotations

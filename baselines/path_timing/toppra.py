@@ -1,40 +1,55 @@
 """TOPP-RA: time-optimal speed along a given path under velocity and acceleration limits.
 
-The path is the clamped cubic spline through the waypoints. Its parameter grows by the chord rule: from waypoint to
-waypoint by the distance between them, every joint measured in units of its velocity limit. As the spline is clamped,
-q'(s) is zero at both ends, so the joints are at rest there whatever the path speed; the path speed at the ends is
-therefore free, and the largest that the limits allow is taken.
+Two paths are tried, both cubic splines through the waypoints, and the faster motion stays. The parameter of the clamped
+spline grows from waypoint to waypoint by the distance between them, every joint measured in units of its velocity limit;
+q'(s) is zero at both ends, so the joints are at rest there whatever the path speed, and the largest that the limits allow
+is taken. The parameter of the natural spline grows by the root of that distance; its path speed starts and ends at zero.
 
 References
 ----------
+E. T. Y. Lee, Choosing nodes in parametric curve interpolation, Computer-Aided Design 21(6), 1989 (centripetal parameter).
+
 H. Pham, Q.-C. Pham, A new approach to time-optimal path parameterization based on reachability analysis, IEEE
 Transactions on Robotics 34(3), 2018.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from toppra import algorithm, constraint
 
 from baselines.base import Deterministic, where_something_moves
 from study import polynomial
 from study.curves import cubic_spline
-from study.deadline import Deadline
+from study.deadline import Deadline, record_cut
 from study.judge import judge
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Demand, Floats, JointLimits, Problem
+from study.tolerances import TOLERANCE
 from study.trajectory import Trajectory
+
+GRID = 4000
+"""Grid steps on the whole path at first, where the waypoints are so many that `per_segment` would give more."""
+
+LEAST_STEPS = 2
+"""Grid steps between neighbouring waypoints, however many waypoints there are."""
 
 UNLIMITED = 1e9
 """What stands for an infinite limit, in units of the joint's own scale: TOPP-RA needs finite numbers."""
 
 
+PathRule = Callable[[Floats, JointLimits], "Path"]
+"""A way to lay a path through distinct neighbouring waypoints."""
+
+
 @dataclass(frozen=True, eq=False)
 class Path:
-    """A clamped cubic spline q(s) through waypoints.
+    """A cubic spline q(s) through waypoints.
 
     Attributes
     ----------
@@ -42,10 +57,13 @@ class Path:
         Path parameter at the waypoints, from 0.
     cubics : array of shape (n_segments, 4, n_joints)
         Ascending powers of the parameter since the segment's start.
+    clamped : bool
+        Whether q' is zero at both ends, so that the joints rest there at any path speed.
     """
 
     knots: Floats
     cubics: Floats
+    clamped: bool = True
 
     def at(self, s: Floats) -> Floats:
         """Cubics rewritten about given parameters, shape (n, 4, n_joints)."""
@@ -63,10 +81,29 @@ def chord_path(waypoints: Floats, limits: JointLimits) -> Path:
     limits : JointLimits
         Joints are measured by their velocity limits, or by the next limit that is finite.
     """
-    unit = np.array([next((rate for rate in joint if np.isfinite(rate)), 1.0) for joint in limits.rates.T])
-    chords = np.linalg.norm(np.diff(waypoints, axis=0) / unit, axis=1)
+    chords = chord_lengths(waypoints, limits)
     cubics = np.moveaxis(cubic_spline.unit_coefficients(waypoints, chords[None])[0], 1, 2)
     return Path(np.concatenate([[0.0], np.cumsum(chords)]), cubics / chords[:, None, None] ** np.arange(4)[:, None])
+
+
+def centripetal_path(waypoints: Floats, limits: JointLimits) -> Path:
+    """Lay the natural cubic spline, its parameter by the roots of the chords, through distinct neighbouring waypoints.
+
+    Parameters
+    ----------
+    waypoints : array of shape (n_waypoints, n_joints), rad or m
+    limits : JointLimits
+        As for `chord_path`.
+    """
+    knots = np.concatenate([[0.0], np.cumsum(np.sqrt(chord_lengths(waypoints, limits)))])
+    spline = CubicSpline(knots, waypoints, bc_type="natural")
+    return Path(knots, np.moveaxis(spline.c[::-1], 0, 1), clamped=False)
+
+
+def chord_lengths(waypoints: Floats, limits: JointLimits) -> Floats:
+    """Distances between neighbours, every joint in units of its first finite limit, shape (n_segments,)."""
+    unit = np.array([next((rate for rate in joint if np.isfinite(rate)), 1.0) for joint in limits.rates.T])
+    return np.linalg.norm(np.diff(waypoints, axis=0) / unit, axis=1)
 
 
 def grid(path: Path, per_segment: int) -> Floats:
@@ -97,6 +134,8 @@ def path_speeds(path: Path, limits: JointLimits, points: Floats) -> Floats | Non
         constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
         constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
     ]
+    if not path.clamped:
+        return speeds_from_rest(path, wanted, points)
     first, last = end_speeds(path, acceleration, points)
     solver = algorithm.TOPPRA(
         wanted, _PathForToppra(path, points[[1, -2]]), gridpoints=points[1:-1], solver_wrapper="seidel"
@@ -109,6 +148,14 @@ def path_speeds(path: Path, limits: JointLimits, points: Floats) -> Floats | Non
     if speeds is None or not np.isfinite(speeds).all():
         return None
     return np.concatenate([speeds[:1], speeds, speeds[-1:]])
+
+
+def speeds_from_rest(path: Path, wanted: list[constraint.Constraint], points: Floats) -> Floats | None:
+    """Largest path speeds from zero to zero, shape (n_gridpoints,); None where TOPP-RA finds none."""
+    solver = algorithm.TOPPRA(wanted, _PathForToppra(path, points[[0, -1]]), gridpoints=points, solver_wrapper="seidel")
+    _, speeds, _ = solver.compute_parameterization(0.0, 0.0)
+    stands = speeds is None or not np.isfinite(speeds).all() or (speeds[1:-1] <= 0).any()
+    return None if stands else speeds
 
 
 def end_speeds(path: Path, acceleration: Floats, points: Floats) -> tuple[float, float]:
@@ -139,27 +186,69 @@ def compose(path: Path, points: Floats, speeds: Floats) -> tuple[Floats, Floats]
     return durations, np.moveaxis(driven, 1, 2)
 
 
-def retime(problem: Problem, per_segment: int) -> tuple[Trajectory, float] | None:
-    """Retime the chord path as fast as the velocity and acceleration limits allow.
-
-    TOPP-RA holds the limits at gridpoints only, so the result is stretched by the exact factor that they still need.
-
-    Returns
-    -------
-    trajectory : Trajectory
-    stretch : float
-        The factor, at least 1.
-    """
+def driven(problem: Problem, per_segment: int, lay: PathRule) -> Trajectory | None:
+    """Drive a path with the limits held at gridpoints only; None where TOPP-RA finds no speeds."""
     fresh = np.append(True, (np.diff(problem.waypoints, axis=0) != 0).any(axis=1))
-    path = chord_path(problem.waypoints[fresh], problem.limits)
+    path = lay(problem.waypoints[fresh], problem.limits)
     points = grid(path, per_segment)
     speeds = path_speeds(path, problem.limits, points)
     if speeds is None:
         return None
     durations, coefficients = compose(path, points, speeds)
-    motion = Trajectory.from_pieces(durations, coefficients, np.where(fresh[1:], per_segment, 0))
-    stretch = judge(without_jerk(problem), motion).stretch
-    return motion.scaled(stretch), stretch
+    return Trajectory.from_pieces(durations, coefficients, np.where(fresh[1:], per_segment, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class Retimed:
+    """A motion along a path, stretched by the exact factor that the limits between gridpoints still need.
+
+    Attributes
+    ----------
+    motion : Trajectory
+    stretch : float
+        The factor, at least 1.
+    leaves : bool
+        Whether the path leaves the range of positions.
+    lay : callable
+        The path's rule.
+    """
+
+    motion: Trajectory
+    stretch: float
+    leaves: bool
+    lay: PathRule
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """Inside the range of positions first, then the shorter."""
+        return self.leaves, self.motion.duration
+
+
+def stretched(problem: Problem, motion: Trajectory, lay: PathRule) -> Retimed:
+    """Judge a motion along a path and stretch it until it keeps velocity and acceleration limits."""
+    verdict = judge(without_jerk(problem), motion)
+    leaves = bool(verdict.position_excess.max() > TOLERANCE)
+    return Retimed(motion.scaled(verdict.stretch), verdict.stretch, leaves, lay)
+
+
+def retime(problem: Problem, per_segment: int, lay: PathRule = chord_path) -> Retimed | None:
+    """Retime a path as fast as the velocity and acceleration limits allow; None where TOPP-RA finds no speeds."""
+    motion = driven(problem, per_segment, lay)
+    return None if motion is None else stretched(problem, motion, lay)
+
+
+def fastest(problem: Problem, per_segment: int, rules: tuple[PathRule, ...], deadline: Deadline) -> Retimed | None:
+    """Retime along several paths and keep the best; a motion that is too slow before its stretch is not judged."""
+    raw: list[tuple[Trajectory, PathRule]] = []
+    for lay in rules:
+        motion = None if raw and deadline.passed() else driven(problem, per_segment, lay)
+        raw += [] if motion is None else [(motion, lay)]
+    best: Retimed | None = None
+    for motion, lay in sorted(raw, key=lambda pair: pair[0].duration):
+        if best is None or best.leaves or motion.duration < best.motion.duration:
+            retimed = stretched(problem, motion, lay)
+            best = retimed if best is None else min(best, retimed, key=lambda each: each.rank)
+    return best
 
 
 def without_jerk(problem: Problem) -> Problem:
@@ -171,14 +260,16 @@ def without_jerk(problem: Problem) -> Problem:
 
 @dataclass(frozen=True)
 class Toppra(Deterministic):
-    """Planner `toppra`: the fastest way along the clamped cubic spline through the waypoints.
+    """Planner `toppra`: the fastest way along a cubic spline through the waypoints.
 
-    Its acceleration steps, so under a jerk limit its motion is not feasible, however slowly it is driven.
+    Settings for one of the papers' curves keep the clamped spline; `cubic-spline` tries the natural one, too. The
+    acceleration steps, so under a jerk limit the motion is not feasible, however slowly it is driven.
 
     Parameters
     ----------
     per_segment : int
-        Grid steps between neighbouring waypoints; doubled up to twice while the stretch is more than `worst_stretch`.
+        Grid steps between neighbouring waypoints, fewer where the path would have more than `GRID`; doubled up to twice
+        while the stretch is more than `worst_stretch` and the time limit allows.
     worst_stretch : float
     """
 
@@ -190,15 +281,26 @@ class Toppra(Deterministic):
 
     @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Retime the path; only the settings' time limit matters."""
+        """Retime the path; the settings' curve and time limit matter."""
         if not np.isfinite(problem.limits.acceleration).any():
             return Plan(Status.NOT_APPLICABLE, message="no acceleration limit: the path speed could step")
-        deadline, retimed = Deadline.after(settings.time_limit), None
-        for per_segment in (self.per_segment, 2 * self.per_segment, 4 * self.per_segment):
-            retimed = retime(problem, per_segment) or retimed
-            if (retimed and retimed[1] <= self.worst_stretch) or deadline.passed():
-                break
+        rules = (chord_path, centripetal_path) if settings.curve == "cubic-spline" else (chord_path,)
+        retimed = self._refined(problem, rules, Deadline.after(settings.time_limit))
         if retimed is None:
             return Plan(Status.FAILED, message="TOPP-RA finds no path speeds")
-        motion, stretch = retimed
-        return Plan(Status.FINISHED, motion=motion, details={"stretch": stretch, "grid_steps": len(motion.knots) - 1.0})
+        steps = len(retimed.motion.knots) - 1.0
+        return Plan(Status.FINISHED, motion=retimed.motion, details={"stretch": retimed.stretch, "grid_steps": steps})
+
+    def _refined(self, problem: Problem, rules: tuple[PathRule, ...], deadline: Deadline) -> Retimed | None:
+        per_segment = min(self.per_segment, max(LEAST_STEPS, GRID // problem.n_segments))
+        best: Retimed | None = None
+        for steps in (per_segment, 2 * per_segment, 4 * per_segment):
+            before = deadline.left()
+            again = fastest(problem, steps, rules if best is None else (best.lay,), deadline)
+            best = min((each for each in (best, again) if each), key=lambda each: each.rank, default=None)
+            if best is not None and best.stretch <= self.worst_stretch:
+                break
+            if deadline.left() <= 2 * (before - deadline.left()):  # twice the grid takes twice the time
+                record_cut()
+                break
+        return best

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from toppra import SplineInterpolator, algorithm, constraint
 
 from baselines.closed_forms import two_limit_time
-from baselines.path_timing.toppra import Toppra, chord_path, compose, grid, retime
+from baselines.path_timing.toppra import GRID, Toppra, centripetal_path, chord_path, compose, grid, retime
 from study import JointLimits, Problem, judge
 from study.curves import CURVES
 from study.planning import RunSettings, Status
@@ -65,12 +66,12 @@ def test_limits_are_kept_exactly_and_used(name):
 def test_on_a_straight_path_it_is_the_trapezoid():
     problem = Problem("line", [[0.0, 0.0], [1.0, 2.0]], JointLimits([1.0, 1.5], [2.0, 2.0]))
     expected = two_limit_time([1.0, 2.0], [1.0, 1.5], [2.0, 2.0]).max()
-    assert retime(problem, 400)[0].duration == pytest.approx(expected, rel=2e-3)
-    assert retime(problem, 400)[0].duration >= expected * (1 - 1e-6)
+    assert retime(problem, 400).motion.duration == pytest.approx(expected, rel=2e-3)
+    assert retime(problem, 400).motion.duration >= expected * (1 - 1e-6)
 
 
 def test_a_finer_grid_converges():
-    coarse, middle, fine = (retime(woodworking(), n)[0].duration for n in (25, 100, 400))
+    coarse, middle, fine = (retime(woodworking(), n).motion.duration for n in (25, 100, 400))
     assert coarse > middle > fine
     assert middle - fine < 2e-3 * fine
 
@@ -80,7 +81,7 @@ def test_it_is_never_slower_than_the_same_spline_driven_at_constant_path_speed()
     path = chord_path(problem.waypoints, problem.limits)
     motion = CURVES["cubic-spline"].motion(problem.waypoints, np.diff(path.knots))
     ratios = judge(problem, motion).ratios.max(axis=1)
-    assert retime(problem, 200)[0].duration < motion.duration * max(ratios[0], np.sqrt(ratios[1]))
+    assert retime(problem, 200).motion.duration < motion.duration * max(ratios[0], np.sqrt(ratios[1]))
 
 
 def test_woodworking():
@@ -107,6 +108,76 @@ def test_where_it_does_not_apply():
 
 def test_one_joint_alone_may_dwell():
     problem = Problem("dwell", [[0.0], [1.0], [1.0], [0.5]], JointLimits([1.0], [1.0]), allow_dwell=True)
-    motion = retime(problem, 200)[0]
+    motion = retime(problem, 200).motion
     assert judge(problem, motion).feasible
     assert motion.waypoint_times[1] == motion.waypoint_times[2]
+
+
+def smooth_problem(n_waypoints):
+    rng = np.random.default_rng(31)
+    s = np.linspace(0, 1, n_waypoints)[:, None]
+    waves = [rng.normal(size=7) / k * np.sin(np.pi * k * s + rng.uniform(0, 6, 7)) for k in (1, 2, 3)]
+    return Problem("smooth", sum(waves), JointLimits(np.full(7, 2.0), np.full(7, 5.0)))
+
+
+def package_alone(path, limits, points):
+    rates = [limits.velocity, limits.acceleration]
+    wanted = [
+        kind(np.stack([-rate, rate], axis=1))
+        for kind, rate in zip(
+            (constraint.JointVelocityConstraint, constraint.JointAccelerationConstraint), rates, strict=True
+        )
+    ]
+    return algorithm.TOPPRA(wanted, path, gridpoints=points, parametrizer="ParametrizeConstAccel").compute_trajectory()
+
+
+@pytest.mark.parametrize("n_waypoints", [200, 1000])
+def test_a_smooth_path_of_many_waypoints_is_feasible_and_as_fast_as_by_the_package_alone(n_waypoints):
+    problem = smooth_problem(n_waypoints)
+    plan = Toppra().plan(problem, SETTINGS)
+    assert judge(problem, plan.motion).feasible
+    steps = int(plan.details["grid_steps"])
+    path = SplineInterpolator(np.linspace(0, 1, n_waypoints), problem.waypoints)
+    alone = package_alone(path, problem.limits, np.linspace(0, 1, steps + 1))
+    assert plan.motion.duration <= 1.01 * alone.duration
+
+
+def test_many_waypoints_share_one_grid():
+    plan = Toppra().plan(smooth_problem(1000), SETTINGS)
+    assert plan.details["grid_steps"] <= 4 * GRID
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_chosen_spline_is_never_slower_than_the_clamped_one(seed):
+    waypoints = np.random.default_rng(seed).uniform(-2, 2, (8, 3))
+    problem = Problem("scattered", waypoints, JointLimits([1.0, 2.0, 1.5], [3.0, 2.0, 4.0]))
+    chosen, clamped = (Toppra(50).plan(problem, RunSettings(name)).motion for name in ("cubic-spline", "bspline"))
+    assert judge(problem, chosen).feasible
+    assert chosen.duration <= clamped.duration
+
+
+def test_the_natural_spline_starts_and_ends_at_rest_where_it_is_the_faster():
+    waypoints = [[0.0, 0.0], [0.1, 0.0], [1.0, 1.0], [1.1, 1.0], [2.0, -1.0], [2.1, -1.0]]
+    problem = Problem("uneven", waypoints, JointLimits([1.0, 1.0], [2.0, 2.0]))
+    natural = retime(problem, 50, centripetal_path)
+    assert judge(problem, natural.motion).feasible
+    assert natural.motion.duration < retime(problem, 50).motion.duration
+    assert Toppra(50).plan(problem, SETTINGS).motion.duration <= natural.motion.duration
+
+
+def test_a_path_inside_the_range_of_positions_goes_before_a_faster_one_outside():
+    waypoints = [[0.0, 0.0], [0.1, 0.0], [1.0, 1.0], [1.1, 1.0], [2.0, -1.0], [2.1, -1.0]]
+    free = Problem("uneven", waypoints, JointLimits([1.0, 1.0], [2.0, 2.0]))
+    low, high = (bound([retime(free, 50).motion.extrema()[k] for k in (0, 2)], axis=0) for bound in (np.min, np.max))
+    problem = Problem("range", waypoints, JointLimits([1.0, 1.0], [2.0, 2.0], lower=low, upper=high))
+    assert retime(problem, 50, centripetal_path).leaves == (
+        not judge(problem, Toppra(50).plan(free, SETTINGS).motion).feasible
+    )
+    assert judge(problem, Toppra(50).plan(problem, SETTINGS).motion).feasible
+
+
+def test_without_time_the_first_motion_is_given():
+    problem = smooth_problem(50)
+    plan = Toppra(worst_stretch=1.0).plan(problem, RunSettings("cubic-spline", time_limit=0.0))
+    assert judge(problem, plan.motion).feasible
+    assert plan.details["grid_steps"] == GRID // 49 * 49
