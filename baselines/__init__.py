@@ -2,9 +2,9 @@
 
 Every planner knows limits of velocity, acceleration and jerk, unless the table says otherwise; the judge measures all.
 
-================ ================================================ ================================= =====================
+================ ================================================ ================================= ====================
 name             question                                         method                            limits known
-================ ================================================ ================================= =====================
+================ ================================================ ================================= ====================
 casadi-nlp       shortest segment durations on the case's curve   IPOPT, points exchanged           rates
 certified        the same, with a proved lower bound              branch and bound                  rates
 quintic-nlp      shortest quintic segments, rates free at points  IPOPT, points exchanged           rates
@@ -17,8 +17,9 @@ free-path-nlp    any motion through the waypoints                 IPOPT, equal p
 free-path        any motion through the waypoints                 interior point, pieces per joint  see its `knows`
 bspline-nlp      any motion on one B-spline                       IPOPT, limits on control points   rates, some beyond v
 any-motion-bound no motion at all: a proved lower bound           cells of velocity, duality        rates
-================ ================================================ ================================= =====================
+================ ================================================ ================================= ====================
 
-Folders: `segment_times` (durations on a curve), `path_timing` (speed along a path), `state_to_state` (Ruckig), `free_path`,
-`bounds`. Shared: `base` (still joints, joints alone), `units`, `ipopt` (CasADi in one thread at a time), `closed_forms`.
+Folders: `segment_times` (durations on a curve), `path_timing` (speed along a path), `state_to_state` (Ruckig),
+`free_path`, `bounds`. Shared: `base` (still joints, joints alone), `units`, `ipopt` (CasADi in one thread at a time),
+`closed_forms`.
 """

@@ -28,7 +28,7 @@ class Deterministic:
 def where_something_moves(
     plan: Callable[[P, Problem, RunSettings], Plan],
 ) -> Callable[[P, Problem, RunSettings], Plan]:
-    """Decorate `plan`: still joints are held still, a problem without any other does not apply, an error is a reason."""
+    """Decorate `plan`: still joints are held still, a problem of still joints does not apply, an error is a reason."""
 
     @wraps(plan)
     def careful(planner: P, problem: Problem, settings: RunSettings) -> Plan:

@@ -1,11 +1,12 @@
-"""Minimum times of one joint in closed form: rest to rest under up to three limits, and between two velocities under two.
+"""Minimum times of one joint in closed form: rest to rest under up to three limits, between velocities under two.
 
 All functions broadcast over arrays. An infinite limit means no limit.
 
 Notes
 -----
 Write w for the highest velocity of a move from velocity v0 to v1 in time T that accelerates by A as long as it can and
-then brakes by A: w = (v0 + v1 + A T) / 2. Its displacement, the largest of any motion that keeps |v'| <= A and v <= V, is
+then brakes by A: w = (v0 + v1 + A T) / 2. Its displacement, the largest of any motion that keeps |v'| <= A and
+v <= V, is
 
     upper(T) = (w^2 - max(w - V, 0)^2 - (v0^2 + v1^2) / 2) / A,
 
@@ -27,7 +28,7 @@ def _arrays(*values: ArrayLike) -> list[Floats]:
 
 
 def two_limit_time(distance: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike) -> Floats:
-    """Rest to rest under velocity and acceleration limits, s: bang-bang, or a trapezoid where the velocity limit binds."""
+    """Rest to rest within velocity and acceleration limits, s: bang-bang, or a trapezoid at the velocity limit."""
     d, v, a = _arrays(np.abs(distance), velocity, acceleration)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         ramp = v / a
@@ -37,8 +38,9 @@ def two_limit_time(distance: ArrayLike, velocity: ArrayLike, acceleration: Array
 def three_limit_time(distance: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike) -> Floats:
     """Rest to rest, also without acceleration, at both ends under velocity, acceleration and a finite jerk limit, s.
 
-    Four phases of full jerk; two of full acceleration between them from a distance of 2 A^3 / J^2 on; one of full velocity
-    in the middle where the distance is longer than the two ramps, which take V / a + a / J each, a = min(A, sqrt(V J)).
+    Four phases of full jerk; two of full acceleration between them from a distance of 2 A^3 / J^2 on; one of full
+    velocity in the middle where the distance is longer than the two ramps, which take V / a + a / J each,
+    a = min(A, sqrt(V J)).
     """
     d, v, a, j = _arrays(np.abs(distance), velocity, acceleration, jerk)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
@@ -103,7 +105,7 @@ def _time_at_peak(d: Floats, v0: Floats, v1: Floats, limit: Floats, a: Floats) -
 
 
 def _end_of_gap(d: Floats, v0: Floats, v1: Floats, time: Floats, limit: Floats, a: Floats) -> Floats:
-    """Where even the smallest displacement at a time overshoots d: the first later time at which it no longer does, s."""
+    """End of a gap of infeasible times, s: first later time at which the least displacement does not overshoot d."""
     square = (v0**2 + v1**2) / 2 - a * d
     lowest, w = peak_velocity(square, limit), (a * time - v0 - v1) / 2
     inside = (square > 0) & (np.abs(w) < lowest * (1 - 1e-12))

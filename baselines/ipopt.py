@@ -1,8 +1,8 @@
 """Nonlinear programs for IPOPT through CasADi, built and solved by one thread at a time.
 
-CasADi counts the references to its shared nodes without locks, and so does the linear solver inside IPOPT keep one state:
-two threads in either of them end the process. Whatever touches a CasADi object therefore runs under one lock, and objects
-that a thread drops outside it are freed by the next thread that holds it.
+CasADi counts the references to its shared nodes without locks, and so does the linear solver inside IPOPT keep one
+state: two threads in either of them end the process. Whatever touches a CasADi object therefore runs under one lock,
+and objects that a thread drops outside it are freed by the next thread that holds it.
 """
 
 from __future__ import annotations

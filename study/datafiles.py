@@ -1,4 +1,4 @@
-"""Where the project's data lies, and how a YAML file becomes a checked model."""
+"""Location of the project's data, and validation of YAML files against models."""
 
 from __future__ import annotations
 

@@ -193,7 +193,7 @@ def _waypoints(measured: Measured) -> Iterator[Finding]:
 
 
 def _steps_forbidden(problem: Problem) -> list[NDArray[np.bool_]]:
-    """Which joints may not step in position (none), velocity and acceleration (those that limit a higher rate)."""
+    """Joints that may not step in position (none), velocity and acceleration (those that limit a higher rate)."""
     every = [problem.limits, *problem.segment_limits.values()]
     limited = np.any([np.isfinite(limits.rates) for limits in every], axis=0)
     return [np.ones(problem.n_joints, dtype=bool), limited[1:].any(axis=0), limited[2]]

@@ -19,7 +19,7 @@ __all__ = ["RATES", "TOLERANCE", "Verdict", "judge"]
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """What the judge found.
+    """Result of checking a motion.
 
     Attributes
     ----------

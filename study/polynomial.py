@@ -133,13 +133,13 @@ def _bracketed_roots(coefficients: Floats) -> Floats:
     low, high = points[..., :-1].copy(), points[..., 1:].copy()
     f_low, f_high = values[..., :-1], values[..., 1:]
     bracketed = np.sign(f_low) * np.sign(f_high) < 0
-    found = np.where(np.abs(f_high) < np.abs(f_low), high, low)
+    zeros = np.where(np.abs(f_high) < np.abs(f_low), high, low)
     if not bracketed.any():
-        return found
+        return zeros
     index = np.nonzero(bracketed)
     cells = index[:-1]
-    found[index] = _close_brackets(coefficients[cells], slope[cells], low[index], high[index], f_low[index])
-    return found
+    zeros[index] = _close_brackets(coefficients[cells], slope[cells], low[index], high[index], f_low[index])
+    return zeros
 
 
 def _close_brackets(coefficients: Floats, slope: Floats, low: Floats, high: Floats, f_low: Floats) -> Floats:
@@ -250,9 +250,9 @@ def _cubic_roots(terms: Terms) -> Terms:
     cosine, sine = m * np.cos(angle), m * (np.sqrt(3.0) * np.sin(angle))
     a = -np.copysign(np.cbrt(np.abs(q) + root), q)
     single = a - np.where(a == 0, 0.0, p / a)
-    found = np.stack([np.where(three, r, single) for r in (2 * cosine, -cosine - sine, sine - cosine)])
-    found = _unit(found - b)
+    zeros = np.stack([np.where(three, r, single) for r in (2 * cosine, -cosine - sine, sine - cosine)])
+    zeros = _unit(zeros - b)
     weak = np.abs(lead) < 1e-3 * (np.abs(terms[2]) + np.abs(terms[1]) + np.abs(terms[0]))
     if weak.any():
-        found[:, weak] = roots(np.stack([np.broadcast_to(t, weak.shape)[weak] for t in terms], axis=-1)).T
-    return tuple(found)
+        zeros[:, weak] = roots(np.stack([np.broadcast_to(t, weak.shape)[weak] for t in terms], axis=-1)).T
+    return tuple(zeros)

@@ -201,7 +201,7 @@ class Problem:
 
     @property
     def moving(self) -> NDArray[np.bool_]:
-        """Whether each joint moves, shape (n_joints,): its waypoints span more than the floor of `study.tolerances`."""
+        """Mask of the moving joints, shape (n_joints,): their waypoints span more than the floor of `study.tolerances`."""
         return np.ptp(self.waypoints, axis=0) > floors(self.waypoints)
 
     @property

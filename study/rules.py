@@ -92,7 +92,7 @@ class State:
 
 
 def alone(state: State | EndCondition | None, joint: int) -> State | EndCondition | None:
-    """What is demanded of one joint alone at an end."""
+    """End condition of one joint alone."""
     return state.joint(joint) if isinstance(state, State) else state
 
 
@@ -156,7 +156,7 @@ PathRule = StraightPath | Tube
 
 @dataclass(frozen=True)
 class Timing:
-    """What the duration of a motion must be.
+    """Constraint on the duration of a motion.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ class Extrema(NamedTuple):
 
 @runtime_checkable
 class Motion(Protocol):
-    """What the judge, the report and the recording need to know of a motion."""
+    """Interface of a motion for the judge, the report and the recording."""
 
     @property
     def knots(self) -> Floats:

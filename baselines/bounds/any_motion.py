@@ -21,8 +21,8 @@ from study.problem import Demand, Problem
 class AnyMotionBound:
     """Bound `any-motion-bound`: a time that no motion through the waypoints within the limits can undercut.
 
-    A fast motion makes the bound tighter, so `ruckig-via`, which knows the free-path program too, is asked for one first; the
-    bound is valid whatever motion that is. At the time limit it is the best bound proved until then.
+    A fast motion makes the bound tighter, so `ruckig-via`, which knows the free-path program too, is asked for one
+    first; the bound is valid whatever motion that is. At the time limit it is the best bound proved until then.
 
     Parameters
     ----------

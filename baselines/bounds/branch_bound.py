@@ -16,7 +16,7 @@ Value = Callable[[Floats], Floats]
 
 @dataclass(frozen=True, eq=False)
 class Enclosure:
-    """Where a global minimum lies.
+    """Bounds on a global minimum.
 
     Attributes
     ----------

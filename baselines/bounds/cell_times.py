@@ -4,11 +4,12 @@ Let a and b be the upper ends of the intervals, T the time and d >= 0 the distan
 velocity never exceeds any of these curves over the segment, so the displacement never exceeds their integrals:
 
 - min(a + A t, b + A (T - t), V), from the acceleration and velocity limits: `reach`;
-- a + (b - a) t / T + J t (T - t) / 2, from the jerk limit: the difference of the velocity and this parabola is convex, as
-  its second derivative is at least -J + J = 0, and not positive at both ends: `jerk_reach`, (a + b) T / 2 + J T^3 / 12.
+- a + (b - a) t / T + J t (T - t) / 2, from the jerk limit: the difference of the velocity and this parabola is convex,
+  as its second derivative is at least -J + J = 0, and not positive at both ends: `jerk_reach`,
+  (a + b) T / 2 + J T^3 / 12.
 
-From d > 0 on either integral grows with T, so d is reached no sooner than at its last crossing with d. Mirrored, with the
-lower ends of the intervals, the displacement is never less than the negative of such an integral; a T at which that
+From d > 0 on either integral grows with T, so d is reached no sooner than at its last crossing with d. Mirrored, with
+the lower ends of the intervals, the displacement is never less than the negative of such an integral; a T at which that
 exceeds d is impossible, and so is every later T up to where it no longer does.
 """
 
@@ -51,7 +52,7 @@ class Cells:
 
 
 def reach(time: Floats, a: Floats, b: Floats, velocity: float, acceleration: float) -> Floats:
-    """Integral of min(a + A t, b + A (T - t), V) over [0, T], for a, b <= V: the module's upper bound on displacements."""
+    """Integral of min(a + A t, b + A (T - t), V) over [0, T], for a, b <= V: the upper bound on displacements."""
     w = (a + b + acceleration * time) / 2
     over = np.maximum(w - velocity, 0.0)
     with np.errstate(invalid="ignore"):
@@ -128,6 +129,6 @@ def shortest_times(distance: float, start: Cells, end: Cells, rates: Floats, at_
 
 
 def _past_gap(time: Floats, farthest_back: Floats, late: Floats, d: float, speed: Floats) -> Floats:
-    """Where even the least displacement overshoots, by more than rounding, wait until it no longer does."""
+    """Lengthen times at which even the least displacement overshoots, by more than rounding, until it does not."""
     overshoots = farthest_back < -d - SAFETY * (d + speed * time)
     return np.where(overshoots, np.maximum(time, late), time)

@@ -1,10 +1,11 @@
 """Global optimum of 3-5-3 problems, with a proven lower bound, by branch and bound over two duration ratios.
 
-Of B-splines and short clamped cubic splines the NLP's answer is enclosed too, less tightly: the first by a linear programme from
-velocity limits (`bspline_curve.velocity_bound`), the second by branch and bound over durations (`cubic_spline`).
+Of B-splines and short clamped cubic splines the NLP's answer is enclosed too, less tightly: the first by a linear
+programme from velocity limits (`bspline_curve.velocity_bound`), the second by branch and bound over durations
+(`cubic_spline`).
 
-The upper bound is a motion that is exactly feasible: the NLP's, or better where the middle of a box is better. The lower bound
-needs neither the NLP nor the upper bound to be good; see `poly353` for the proof and for rounding.
+The upper bound is a motion that is exactly feasible: the NLP's, or better where the middle of a box is better. The
+lower bound needs neither the NLP nor the upper bound to be good; see `poly353` for the proof and for rounding.
 """
 
 from __future__ import annotations
@@ -180,8 +181,8 @@ class Certified(Deterministic):
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Certify all joints together, or each alone and then take the longest duration of every segment.
 
-        The bounds belong to the shared problem, or are the largest of the joints' own: no motion of all joints is shorter
-        than the slowest joint alone.
+        The bounds belong to the shared problem, or are the largest of the joints' own: no motion of all joints is
+        shorter than the slowest joint alone.
         """
         problems, deadline = parts(problem, settings), Deadline.after(settings.time_limit)
         reason = next((text for text in (obstacle(part, settings.curve) for part in problems) if text), "")

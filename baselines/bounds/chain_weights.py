@@ -1,4 +1,4 @@
-"""Linear program for the best weights of the joints, given the chains of cells so far; see `baselines.bounds.lower_bounds`."""
+"""Linear program for the best joint weights, given the chains of cells so far; see `baselines.bounds.lower_bounds`."""
 
 from __future__ import annotations
 

@@ -1,19 +1,20 @@
-"""Lower bound on the total time of clamped cubic splines with few segments, by branch and bound over boxes of durations.
+"""Lower bound on the total time of clamped cubic splines with few segments: branch and bound over boxes of durations.
 
-On a box of durations h the spline is relaxed to a linear programme that minimises their sum. With w = 1/h, v the velocities
-at the waypoints and d the steps, all of one joint,
+On a box of durations h the spline is relaxed to a linear programme that minimises their sum. With w = 1/h, v the
+velocities at the waypoints and d the steps, all of one joint,
 
-* two pieces meet with the same acceleration: w_k (v_k + 2 v_k+1) + w_k+1 (2 v_k+1 + v_k+2) = 3 (d_k w_k^2 + d_k+1 w_k+1^2);
+* two pieces meet with the same acceleration: w_k (v_k + 2 v_k+1) + w_k+1 (2 v_k+1 + v_k+2) =
+  3 (d_k w_k^2 + d_k+1 w_k+1^2);
 * acceleration at the start of a piece is 6 d w^2 - 4 v_k w - 2 v_k+1 w, at its end -6 d w^2 + 2 v_k w + 4 v_k+1 w;
 * jerk is constant in a piece, so |a_k+1 - a_k| <= J h_k;
 * velocity at a fraction of a piece is linear in d w and the velocities at its ends.
 
-So only w = 1/h, q = w^2 and the products v w are not linear. The first two are convex and lie between tangents and secant,
-the products between McCormick's four planes. That takes ranges of v: the first equation divided by 2 (w_k + w_k+1) makes v_k+1 a mean
-of 1.5 d w less half a mean of its neighbours, so intervals around them shrink by half with every pass over the waypoints.
-All rows are necessary conditions, so the value is a lower bound on every spline of the box; where the programme has no
-solution there is none. Velocity is held at some points only, which makes the bound looser, never wrong.
-The solver's tolerance of 1e-7 on rows of order one is met by a deduction of `SAFETY`.
+So only w = 1/h, q = w^2 and the products v w are not linear. The first two are convex and lie between tangents and
+secant, the products between McCormick's four planes. That takes ranges of v: the first equation divided by 2 (w_k +
+w_k+1) makes v_k+1 a mean of 1.5 d w less half a mean of its neighbours, so intervals around them shrink by half with
+every pass over the waypoints. All rows are necessary conditions, so the value is a lower bound on every spline of the
+box; where the programme has no solution there is none. Velocity is held at some points only, which makes the bound
+looser, never wrong. The solver's tolerance of 1e-7 on rows of order one is met by a deduction of `SAFETY`.
 
 References
 ----------
@@ -48,7 +49,7 @@ SHORTEST = 1e-3
 
 
 def velocity_ranges(problem: Problem, w_low: Floats, w_high: Floats) -> tuple[Floats, Floats]:
-    """Enclose the velocities at all waypoints, two arrays of shape (n_waypoints, n_joints); crossed where there are none."""
+    """Enclose the velocities at all waypoints, two arrays of shape (n_waypoints, n_joints); crossed if infeasible."""
     steps, limit = np.diff(problem.waypoints, axis=0), problem.limits.velocity
     dw = np.sort([steps * w_low[:, None], steps * w_high[:, None]], axis=0)
     share_low = (w_low[1:] / (w_high[:-1] + w_low[1:]))[:, None]
@@ -193,7 +194,7 @@ class Relaxation:
 
 
 def shortest_durations(problem: Problem) -> Floats:
-    """What every segment takes at least, shape (n_segments,), s: at the velocity limits, or by the box of durations."""
+    """Lower bound on every segment's duration, shape (n_segments,), s: by velocity limits and duration bounds."""
     straight = np.abs(np.diff(problem.waypoints, axis=0)) / problem.limits.velocity
     shortest: Floats = np.maximum(straight.max(axis=1), problem.duration_bounds[0])
     return shortest

@@ -1,32 +1,32 @@
 """Lower bound on the duration of every motion through the waypoints, whatever curve it takes.
 
-Proof. Take any motion that passes the waypoints within the limits; let T_i be the time that it spends in segment i, and v_i
-the velocity of one joint at waypoint i. Ranges of positions and end accelerations only make the set of motions smaller, so
-leaving them out is safe.
+Proof. Take any motion that passes the waypoints within the limits; let T_i be the time that it spends in segment i, and
+v_i the velocity of one joint at waypoint i. Ranges of positions and end accelerations only make the set of motions
+smaller, so leaving them out is safe.
 
 1.  One joint, one segment. Put every waypoint velocity into one of finitely many cells. For every pair of cells at the
     segment's ends, `baselines.bounds.cell_times` bounds T_i from below by tau_i(cell, next cell).
-2.  All joints spend the same time in a segment. So L_i, the largest over joints of the smallest tau_i over pairs of cells,
-    is a lower bound on T_i, and in step 1 only T >= L_i have to be looked at; this matters where a joint can arrive early or
-    late but not in between.
+2.  All joints spend the same time in a segment. So L_i, the largest over joints of the smallest tau_i over pairs of
+    cells, is a lower bound on T_i, and in step 1 only T >= L_i have to be looked at; this matters where a joint can
+    arrive early or late but not in between.
 3.  All segments, all joints. For weights w_ij >= 0 that add up to 1 over the joints of every segment,
 
         sum_i T_i = sum_j sum_i w_ij T_i >= sum_j min over chains of cells of sum_i w_ij tau_ij(cell_i, cell_i+1),
 
     because each joint's own cells make one of the chains. The minimum over chains is found by dynamic programming.
-4.  Refinement. Let U be the duration of some feasible motion. If the sum in step 3, with one joint's chains forced through
-    one cell, is more than U, no motion faster than U uses that cell: it is dropped. The cells that are left are halved, and
-    steps 1 to 3 are done again. Then every motion takes at least the smaller of U and the new sum.
+4.  Refinement. Let U be the duration of some feasible motion. If the sum in step 3, with one joint's chains forced
+    through one cell, is more than U, no motion faster than U uses that cell: it is dropped. The cells that are left are
+    halved, and steps 1 to 3 are done again. Then every motion takes at least the smaller of U and the new sum.
 
 Before step 1, jerk and velocity limits bound acceleration too where a motion starts and ends at rest. Say a joint
-accelerates at a > 0. Under its jerk limit J it gains a^2 / (2 J) on the way there and as much again afterwards, unless the
-motion starts or ends in between. If neither happens, a^2 / J <= 2 V. If it starts on the way there, it starts at rest, so
-a^2 / (2 J) <= V; the same holds if it ends afterwards, and both cannot happen, for the joint would not be at rest at both
-ends. So a <= sqrt(2 V J); for a < 0 by symmetry.
+accelerates at a > 0. Under its jerk limit J it gains a^2 / (2 J) on the way there and as much again afterwards, unless
+the motion starts or ends in between. If neither happens, a^2 / J <= 2 V. If it starts on the way there, it starts at
+rest, so a^2 / (2 J) <= V; the same holds if it ends afterwards, and both cannot happen, for the joint would not be at
+rest at both ends. So a <= sqrt(2 V J); for a < 0 by symmetry.
 
-Any weights give a valid bound, so the search for good weights needs no proof; it is the dual of the choice of one mixture
-of chains for every joint, solved by adding one chain per joint and round to a linear program. At rest at both ends, the
-first and the last cell are the point 0; where the end condition is free, all cells are allowed there.
+Any weights give a valid bound, so the search for good weights needs no proof; it is the dual of the choice of one
+mixture of chains for every joint, solved by adding one chain per joint and round to a linear program. At rest at both
+ends, the first and the last cell are the point 0; where the end condition is free, all cells are allowed there.
 """
 
 from __future__ import annotations
@@ -275,7 +275,7 @@ def best_weights(joints: list[Chains], deadline: Deadline = NEVER) -> tuple[floa
 
 
 def lower_bound(problem: Problem) -> float:
-    """Time that no motion through the waypoints under the problem's limits can undercut, s; see the module for the proof.
+    """Lower bound on the time of any motion through the waypoints within the limits, s; see the module for the proof.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 r"""Lower bounds on the total time of a 3-5-3 motion over boxes of duration ratios.
 
-The problem in two dimensions. With r = t2/t1 and s = t2/t3 the quintic in unit time, N(tau; r, s), depends on nothing else:
-its end velocities and accelerations are 3 d1 r, 6 d1 r^2 and 3 d3 s, -6 d3 s^2. So for every pair (r, s) the shortest t2 is the
-largest of
+The problem in two dimensions. With r = t2/t1 and s = t2/t3 the quintic in unit time, N(tau; r, s), depends on nothing
+else: its end velocities and accelerations are 3 d1 r, 6 d1 r^2 and 3 d3 s, -6 d3 s^2. So for every pair (r, s) the
+shortest t2 is the largest of
 
 * |N^(k)(tau)| / L_k to the power 1/k, over tau, joints and orders k = 1, 2, 3;
 * b1 r and b3 s, where b1, b3 are the shortest end durations: the cubics peak at 3|d|/t, 6|d|/t^2, 6|d|/t^3;
@@ -11,20 +11,21 @@ largest of
 and the total is T = t2 (1 + 1/r + 1/s). Coordinates are x = ln r, y = ln s, values ln T.
 
 Bounds on a box. Dropping instants only lowers the maximum, so any few tau per joint and order give a lower bound: the
-peaks at the middle of the box (a bad tau costs tightness, never validity). For fixed tau N is a sum of a quadratic in r and one
-in s, so its range over the box is exact. This first bound errs by the width of the box. The second errs by its square:
-f = (ln |N|)/k + ln(1 + e^-x + e^-y) has at the middle m a value and a gradient g, and
+peaks at the middle of the box (a bad tau costs tightness, never validity). For fixed tau N is a sum of a quadratic in r
+and one in s, so its range over the box is exact. This first bound errs by the width of the box. The second errs by its
+square: f = (ln |N|)/k + ln(1 + e^-x + e^-y) has at the middle m a value and a gradient g, and
 
     f(m + z) >= f(m) + g.z - e,   2 k e = sum_i max(0, -min N_ii/N) z_i^2 + (sum_i max|N_i/N| |z_i|)^2,
 
 because ln|N| has the Hessian diag(N_ii)/N - (grad N)(grad N)'/N^2, N has no mixed derivative, and the other term
-is convex. The limits b1, b3 and the shortest duration are convex in x, y, with e = 0. A maximum is at least every mean of its
-members: for any weight w in [0, 1], max(f, h) >= w f + (1 - w) h. Weights that cancel one component of the mean's gradient
-keep the bound tight along a valley where two limits meet, and so keep the boxes from clustering there.
+is convex. The limits b1, b3 and the shortest duration are convex in x, y, with e = 0. A maximum is at least every mean
+of its members: for any weight w in [0, 1], max(f, h) >= w f + (1 - w) h. Weights that cancel one component of the
+mean's gradient keep the bound tight along a valley where two limits meet, and so keep the boxes from clustering there.
 
-Rounding. N is a sum of fewer than 40 products, so it errs by less than 1e-14 of the sum of their absolute values; a limit counts
-only where |N| exceeds 1e-4 of that sum, which makes its relative error less than 1e-10. Slopes and remainders are widened by 1e-9
-of themselves, and every bound is lowered by 1e-9 at the end, which is a thousandth of the gap asked for.
+Rounding. N is a sum of fewer than 40 products, so it errs by less than 1e-14 of the sum of their absolute values; a
+limit counts only where |N| exceeds 1e-4 of that sum, which makes its relative error less than 1e-10. Slopes and
+remainders are widened by 1e-9 of themselves, and every bound is lowered by 1e-9 at the end, which is a thousandth of
+the gap asked for.
 """
 
 from __future__ import annotations
@@ -88,7 +89,7 @@ class Bounds353:
         return max(self.shortest, float((np.abs(self.steps[1]) / fastest).max()))
 
     def box(self, total: float) -> tuple[Floats, Floats]:
-        """Where all ratios of motions that last at most the given total, s, lie; a little widened."""
+        """Box of the ratios of all motions that last at most the given total, s; a little widened."""
         middle = self.middle(total)
         longest = np.array([total - self.last - middle, total - self.first - middle])
         widest = total - self.first - self.last
@@ -163,7 +164,7 @@ def _quadratic_range(linear: Floats, square: Floats, low: Floats, high: Floats) 
 
 
 def _logarithm(factors: Floats, corners: list[Floats], order: int, half: Floats) -> Pieces:
-    """Pieces of f = (ln |N|)/k + ln(1 + 1/r + 1/s) for N = c0 + c1 r + c2 s + c3 r^2 + c4 s^2, shape (n_boxes, n_joints, 5)."""
+    """Pieces of f = (ln |N|)/k + ln(1 + 1/r + 1/s), N = c0 + c1 r + c2 s + c3 r^2 + c4 s^2; (n_boxes, n_joints, 5)."""
     low, middle, high = corners
     linear, square = factors[..., 1:3], factors[..., 3:5]
     value = factors[..., 0] + (middle * (linear + square * middle)).sum(axis=-1)

@@ -1,14 +1,14 @@
 """Kinematic trajectory optimisation on a uniform B-spline through the waypoints, limits held on control points.
 
-The path q(s), s in [0, 1], is a clamped uniform B-spline of degree 5, so its fourth derivative is continuous; the motion is
-q(t / T). Variables are the control points, the duration T and the parameters s_i at which the waypoints are passed. The
-k-th derivative of the spline is a B-spline too and stays in the convex hull of its own control points, so keeping these
-within the limit times T^k keeps the limit everywhere, without a single sample. The hull is wider than the curve; what it
-gives away is measured exactly afterwards, and the motion is run faster until it touches a limit.
+The path q(s), s in [0, 1], is a clamped uniform B-spline of degree 5, so its fourth derivative is continuous; the
+motion is q(t / T). Variables are the control points, the duration T and the parameters s_i at which the waypoints are
+passed. The k-th derivative of the spline is a B-spline too and stays in the convex hull of its own control points, so
+keeping these within the limit times T^k keeps the limit everywhere, without a single sample. The hull is wider than the
+curve; what it gives away is measured exactly afterwards, and the motion is run faster until it touches a limit.
 
-For fixed s_i a motion that is feasible for T is feasible for every longer one, and for a fixed T all rows are linear: no
-local optimum is worse than another. With free s_i that is lost; the start decides, and is the best clamped cubic spline.
-The range of positions is left to the judge.
+For fixed s_i a motion that is feasible for T is feasible for every longer one, and for a fixed T all rows are linear:
+no local optimum is worse than another. With free s_i that is lost; the start decides, and is the best clamped cubic
+spline. The range of positions is left to the judge.
 
 References
 ----------
@@ -46,7 +46,7 @@ ROUNDS, ENOUGH = 4, 1e-5
 """Solves with one number of spans at most, and the relative gain below which no other follows."""
 
 STEP = 1.0
-"""How far a passage parameter may move in one solve, as a share of an even step; the next solve starts where it ended."""
+"""Trust region of a passage parameter in one solve, as a share of an even step; the next starts at its result."""
 
 MERGED = 1e-10
 """A knot this near to a passage parameter is left out of the motion's knots: the spline has no kink to show there."""
@@ -54,7 +54,7 @@ MERGED = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A spline by its control points (n_control_points, n_joints), the parameters of the waypoints, and its duration, s."""
+    """A spline: control points (n_control_points, n_joints), parameters of the waypoints, and duration, s."""
 
     control: Floats
     passed: Floats
@@ -94,7 +94,7 @@ def derivative_matrix(spans: int, order: int) -> Floats:
 
 
 def pinned(problem: Problem) -> NDArray[np.intp]:
-    """How many control points of every joint stand on the waypoint at either end, shape (n_joints,)."""
+    """Number of every joint's control points fixed to the waypoint at either end, shape (n_joints,)."""
     # One passes it, two rest, three rest without acceleration; as for the judge, what no higher limit forbids may step.
     limited = np.isfinite(problem.limits.rates)
     demanded = {EndCondition.FREE: 0, EndCondition.REST: 1, EndCondition.SMOOTH: 2}[problem.end]
@@ -224,7 +224,7 @@ class BSplineNlp(Deterministic):
 
 
 def _gain(before: Plan, after: Plan) -> float:
-    """How much faster the best motion became, relative; infinite where it is the first."""
+    """Relative decrease of the best duration; infinite for the first motion."""
     if before.motion is None or after.motion is None:
         return np.inf
     return 1.0 - after.motion.duration / before.motion.duration

@@ -1,7 +1,8 @@
 """The compiled variant of the elimination; importing this file imports numba.
 
-It follows `baselines.free_path.elimination` step by step, so that both give the same blocks to rounding; see there for the
-equations. The lower triangle of every Hessian is summed piece by piece, with the sensitivities of x1 and x2 carried along.
+It follows `baselines.free_path.elimination` step by step, so that both give the same blocks to rounding; see there for
+the equations. The lower triangle of every Hessian is summed piece by piece, with the sensitivities of x1 and x2 carried
+along.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ SHARED = 7
 def _add_piece(
     g: Floats, s1: Floats, s2: Floats, columns: tuple[int, int, int], used: Integers, hessian: Floats
 ) -> None:
-    """Add the second derivatives of a piece, given those in its own five numbers; only `used` sensitivities are not zero."""
+    """Add the second derivatives of a piece, given those in its five numbers; only `used` sensitivities are nonzero."""
     for a in range(3):
         for b in range(a + 1):
             hessian[columns[a], columns[b]] += g[a + 2, b + 2]

@@ -53,15 +53,15 @@ def right_inverse(left: Floats, triangle: Floats, count: int, inverse: Floats) -
 
 
 @njit(cache=True, fastmath={"reassoc", "contract"})
-def multiply(one: Floats, other: Floats, sign: float, product: Floats) -> None:
+def multiply(left: Floats, right: Floats, sign: float, product: Floats) -> None:
     """Product of two matrices, up to its sign, row by row so that the inner loop runs along memory."""
-    for p in range(len(one)):
-        for q in range(other.shape[1]):
+    for p in range(len(left)):
+        for q in range(right.shape[1]):
             product[p, q] = 0.0
-        for r in range(len(other)):
-            value = sign * one[p, r]
-            for q in range(other.shape[1]):
-                product[p, q] += value * other[r, q]
+        for r in range(len(right)):
+            value = sign * left[p, r]
+            for q in range(right.shape[1]):
+                product[p, q] += value * right[r, q]
 
 
 @njit(cache=True, fastmath={"reassoc", "contract"})

@@ -34,8 +34,8 @@ SHARED = 7
 """Number of shared unknowns of a block."""
 
 SHIFTS = (1e-6, 3.0)
-"""First trial and factor of the shifts that are tried on a block without the right inertia; twice the first that is enough is
-taken, because one that is just enough would make the step huge."""
+"""First trial and factor of the shifts that are tried on a block without the right inertia; twice the first that is
+enough is taken, because one that is just enough would make the step huge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class Blocks:
         return feasible + _times(self.projected, right - _times(self.inner, feasible))
 
     def onto_shared(self, right: Floats, start: Floats) -> Floats:
-        """What the block adds to the right side of the reduced system, shape (..., 7)."""
+        """Contribution of the block to the right side of the reduced system, shape (..., 7)."""
         rest = right - _times(self.inner, start)
         return _times(self.follow.swapaxes(-1, -2), rest) - _times(self.cross.swapaxes(-1, -2), start)
 
@@ -83,7 +83,7 @@ def _times(matrix: Floats, vector: Floats) -> Floats:
 
 
 def equations_of(kind: int, free: bool) -> list[int]:
-    """Which of the closing equations (x1, x2, sum of widths) a joint of that kind has."""
+    """Indices of the closing equations (x1, x2, sum of widths) that a joint of that kind has."""
     return [row for row in range(2) if kind > row + 1] + [2] * free
 
 
@@ -152,13 +152,13 @@ def _sensitivities(model: Model, states: Floats) -> tuple[Floats, Floats]:
     run1[:, :, k + 1, pieces + 1 + k] = first * (u0 + u1) / 2
     run1[:, :, 0, -2] = run2[:, :, 0, -1] = 1.0
     summing = np.tril(np.ones((pieces + 1, pieces + 1)))
-    one = summing @ run1
-    run2[:, :, 1:] = (second * h)[..., None] * one[:, :, :-1]
+    along1 = summing @ run1
+    run2[:, :, 1:] = (second * h)[..., None] * along1[:, :, :-1]
     both = first * second * h
     run2[:, :, k + 1, k] += both * h / 3
     run2[:, :, k + 1, k + 1] += both * h / 6
     run2[:, :, k + 1, pieces + 1 + k] += second * x1 + both * (2 * u0 + u1) / 3
-    return one, summing @ run2
+    return along1, summing @ run2
 
 
 def _assembled(model: Model, at: Pieces, local: Floats) -> tuple[Floats, Floats]:

@@ -1,8 +1,8 @@
 """Choice of the code that eliminates blocks: NumPy, always there, or numba, with the extra `fast`.
 
-Compiling takes half a minute, which nobody should wait for who only wants a motion. So numba computes if the environment
-variable STUDY_ENGINE says `numba`, which compiles once and keeps the code, and from then on for problems that are large
-enough to pay for the import. Both give the same blocks to rounding.
+Compiling takes half a minute, which nobody should wait for who only wants a motion. So numba computes if the
+environment variable STUDY_ENGINE says `numba`, which compiles once and keeps the code, and from then on for problems
+that are large enough to pay for the import. Both give the same blocks to rounding.
 """
 
 from __future__ import annotations

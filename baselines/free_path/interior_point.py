@@ -2,9 +2,9 @@ r"""Primal-dual interior point with exact second derivatives for the free-path p
 
     minimise f(x)   subject to   e(x) = 0,   c(x) - s = 0,   s >= 0
 
-Every iteration linearises the conditions of the barrier problem, min f - mu sum log s, eliminates slacks and multipliers
-of the rows, and solves what is left by structure. The barrier parameter follows Mehrotra: a first step with mu = 0 tells
-how far the complementarity can fall, a second one aims there and corrects for the first one's curvature.
+Every iteration linearises the conditions of the barrier problem, min f - mu sum log s, eliminates slacks and
+multipliers of the rows, and solves what is left by structure. The barrier parameter follows Mehrotra: a first step with
+mu = 0 tells how far the complementarity can fall, a second one aims there and corrects for the first one's curvature.
 
 The parameter is held up while the dual error is large, so that the method
 does not run along the boundary before it knows where to go.
@@ -63,7 +63,7 @@ class Ending(Enum):
 
 @dataclass(frozen=True)
 class Goal:
-    """When to stop.
+    """Stopping criteria of the interior-point method.
 
     Attributes
     ----------
@@ -109,7 +109,7 @@ class State(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Where the method ended.
+    """Final iterate of the method.
 
     Attributes
     ----------

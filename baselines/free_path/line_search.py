@@ -1,8 +1,9 @@
 """Filter line search: which step lengths the interior-point method accepts.
 
-A pair (infeasibility, barrier function) is dominated by another that is no worse in both. With a fixed barrier parameter a
-step is accepted if no pair of the filter dominates its end and if it makes progress from where it began: where the
-infeasibility is small and the barrier function falls along the step, by Armijo's rule; else in either of the two.
+A pair (infeasibility, barrier function) is dominated by another that is no worse in both. With a fixed barrier
+parameter a step is accepted if no pair of the filter dominates its end and if it makes progress from where it began:
+where the infeasibility is small and the barrier function falls along the step, by Armijo's rule; else in either of the
+two.
 
 References
 ----------
@@ -30,7 +31,7 @@ MARGIN = 1e-5
 
 
 class Measure(NamedTuple):
-    """What a point is measured by.
+    """Infeasibility and barrier function of a point.
 
     Attributes
     ----------

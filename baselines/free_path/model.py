@@ -1,7 +1,7 @@
 r"""The nonlinear program behind the free path, in numbers of order one.
 
-Segment i takes T_i. In it every joint j has K pieces of its own, of widths h_1 .. h_K with sum T_i, and a chain of three
-quantities in which each is the integral of the one before:
+Segment i takes T_i. In it every joint j has K pieces of its own, of widths h_1 .. h_K with sum T_i, and a chain of
+three quantities in which each is the integral of the one before:
 
     u   linear in every piece, continuous            the highest quantity that must not jump
     x1  the integral of u
@@ -31,8 +31,8 @@ from baselines.free_path.question import Flags, FreePathProblem, Integers
 from study.problem import Floats
 
 ROOM = 2e-7
-"""Share of a joint's span by which its range of positions is widened, less than counts as leaving the range: a waypoint on
-the very end of the range then leaves the interior-point method an interior."""
+"""Share of a joint's span by which its range of positions is widened, less than counts as leaving the range: a waypoint
+on the very end of the range then leaves the interior-point method an interior."""
 
 U, SLOPE, MIDDLE, WIDTH, EARLY, LATE = range(6)
 """Quantities that have bounds on a piece; the last two only where a range of positions is held under a jerk limit."""
@@ -200,12 +200,12 @@ def _piece_bounds(
 
 
 def _orders(kinds: Integers) -> Integers:
-    """Which derivative of position the quantities u, x1 and x2 are, shape (n_moving, 3); negative where unused."""
+    """Order of derivative of the quantities u, x1 and x2, shape (n_moving, 3); negative where unused."""
     return kinds[:, None] - 1 - np.arange(3)
 
 
 def _pins(question: FreePathProblem, joints: Integers, units: Floats) -> tuple[Flags, Floats]:
-    """Which states at the waypoints are given, and their values."""
+    """Mask and values of the states that are given at the waypoints."""
     orders, n = _orders(question.kinds[joints]), len(question.waypoints)
     pins = np.full((n, len(joints), 3), np.nan)
     pins[:, orders < 0] = 0.0
@@ -222,7 +222,7 @@ def _pins(question: FreePathProblem, joints: Integers, units: Floats) -> tuple[F
 
 
 def _touching(question: FreePathProblem, joints: Integers) -> Flags:
-    """Waypoints at the very end of the range of positions: the joint can only turn there, shape (n_waypoints, n_moving)."""
+    """Waypoints at the end of the range of positions, where the joint can only turn, shape (n_waypoints, n_moving)."""
     points, room = question.waypoints, ROOM * np.ptp(question.waypoints, axis=0)
     near = (points[:-1] - question.range_lower <= room) | (question.range_upper - points[:-1] <= room)
     after = (points[1:] - question.range_lower <= room) | (question.range_upper - points[1:] <= room)
@@ -236,8 +236,8 @@ def _touching(question: FreePathProblem, joints: Integers) -> Flags:
 def _node_bounds(question: FreePathProblem, joints: Integers, units: Floats) -> tuple[Floats, Floats]:
     """Bounds of the states at the waypoints: the tighter ones of both segments, and the tolerance.
 
-    Velocity under a jerk limit lies between the middle coefficients of both neighbouring pieces, so that it needs bounds
-    of its own only at the ends and where limits change.
+    Velocity under a jerk limit lies between the middle coefficients of both neighbouring pieces, so that it needs
+    bounds of its own only at the ends and where limits change.
     """
     orders, points = _orders(question.kinds[joints]), question.waypoints[:, joints]
     slack = question.tolerance[:, joints]

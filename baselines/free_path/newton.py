@@ -17,7 +17,7 @@ from study.problem import Floats
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """What does not change while the interior-point method runs.
+    """Constants of a run of the interior-point method.
 
     Attributes
     ----------

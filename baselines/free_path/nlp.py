@@ -1,12 +1,12 @@
 """Free-path nonlinear program for IPOPT: an upper bound on the optimal time over all motions through the waypoints.
 
-Nothing ties the motion to a curve family: every segment has a free duration and is cut into K equal pieces. A joint with a
-jerk limit has an acceleration that is linear in every piece, one with an acceleration limit only has a constant one, and
-one with a velocity limit only drives straight. The more pieces, the closer to the best of all motions.
+Nothing ties the motion to a curve family: every segment has a free duration and is cut into K equal pieces. A joint
+with a jerk limit has an acceleration that is linear in every piece, one with an acceleration limit only has a constant
+one, and one with a velocity limit only drives straight. The more pieces, the closer to the best of all motions.
 
-The solver is run again with its inner points moved to where velocity peaks, until nothing is above a limit; what is still
-above after the last round is removed by stretching the whole motion by its exact factor. The range of positions is left to
-the judge.
+The solver is run again with its inner points moved to where velocity peaks, until nothing is above a limit; what is
+still above after the last round is removed by stretching the whole motion by its exact factor. The range of positions
+is left to the judge.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ ABSURD = 3.0
 
 @dataclass(frozen=True, eq=False)
 class FreePath:
-    """What the NLP gave.
+    """Solution of the NLP.
 
     Attributes
     ----------
@@ -132,8 +132,8 @@ def _finished(problem: Problem, nodes: Nodes, converged: bool, message: str) -> 
 def surplus(problem: Problem, pieces: int) -> int:
     """Count unknowns of the NLP less its equations; below zero no motion with so few pieces meets them, but by luck.
 
-    Every segment has a duration. A joint whose acceleration is linear in every piece has two unknowns at every node, one
-    with constant accelerations one; per piece and per segment they must fit together, and the ends take some away.
+    Every segment has a duration. A joint whose acceleration is linear in every piece has two unknowns at every node,
+    one with constant accelerations one; per piece and per segment they must fit together, and the ends take some away.
     """
     kinds, n = Kinds.of(problem), problem.n_segments
     ends = {EndCondition.FREE: 0, EndCondition.REST: 2, EndCondition.SMOOTH: 4}[problem.end]

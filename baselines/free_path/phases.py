@@ -1,11 +1,12 @@
 """The free-path planner's phases: graded widths first, then widths of every joint's own, then a finish.
 
 With widths that are fixed shares of the duration the problem is nearly convex, so that the first phase finds the right
-valley from a plain start. The second one frees the widths, so that every joint can place its phases of full jerk and full
-acceleration exactly. The third fixes the widths again where they came to be, which converges in a few iterations and
-leaves nothing of the equations.
+valley from a plain start. The second one frees the widths, so that every joint can place its phases of full jerk and
+full acceleration exactly. The third fixes the widths again where they came to be, which converges in a few iterations
+and leaves nothing of the equations.
 
-A range of positions is held only where a motion comes near it: the rows are added when it does, and the phase is run again.
+A range of positions is held only where a motion comes near it: the rows are added when it does, and the phase is run
+again.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from study.deadline import NEVER, Deadline
 from study.trajectory import Trajectory
 
 ROUNDS = 6
-"""How often rows of the range of positions are added."""
+"""Number of rounds that add rows for the range of positions."""
 
 USUAL, MIDDLING, FEWEST = 8, 5, 3
 """Pieces per segment: usually, for many waypoints, and for waypoints in close order."""
@@ -44,7 +45,7 @@ OUTSIDE = 5e-7
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What the phases gave.
+    """Solution after the last phase.
 
     Attributes
     ----------
@@ -123,8 +124,8 @@ def _graded_from(model: Model, begin: Point | None, deadline: Deadline) -> Outco
 def usual_pieces(question: FreePathProblem, deadline: Deadline = NEVER) -> tuple[int, Point | None]:
     """Choose the number of pieces per segment, with a motion to begin with where there is one.
 
-    Waypoints in close order along a smooth path are passed in a small part of the time from stop to stop. There acceleration
-    changes little within a segment, and three pieces are enough; a first phase with three pieces tells.
+    Waypoints in close order along a smooth path are passed in a small part of the time from stop to stop. There
+    acceleration changes little within a segment, and three pieces are enough; a first phase with three pieces tells.
     """
     if question.n_segments < CLOSE:
         return USUAL, None
@@ -137,7 +138,7 @@ def usual_pieces(question: FreePathProblem, deadline: Deadline = NEVER) -> tuple
 
 
 def _goals(deadline: Deadline) -> tuple[Goal, Goal, Goal]:
-    """What each phase must reach."""
+    """Stopping criteria of each phase."""
     return (
         Goal(barrier=1e-4, error=1e-2, iterations=100, deadline=deadline),
         Goal(barrier=1e-7, error=1e-3, iterations=120, deadline=deadline, centring=0.3, level=3e-6, damping=1e-3),
@@ -164,7 +165,7 @@ def _freed(model: Model, first: Outcome, deadline: Deadline) -> Outcome:
 
 
 def _answer(model: Model, outcome: Outcome, iterations: int) -> Answer:
-    """Close the equations and slow the motion down to its limits; of an unfinished motion and a spline in its times, the faster one."""
+    """Close the equations and slow to the limits; of an unfinished motion and a spline in its times, the faster."""
     points = [outcome.state.point]
     if outcome.ending is Ending.LATE and model.question.scalable:
         points.append(spline_start(model, graded(model), points[0].durations * model.tau))

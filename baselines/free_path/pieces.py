@@ -11,9 +11,9 @@ bounded quantity is a function of them:
     x2 + 2 c2 h x1 / 3 + c1 c2 h^2 u0 / 6
 
 A polynomial lies between its smallest and largest Bernstein coefficient, and the outer coefficients lie between inner
-ones of neighbouring pieces because the derivative is continuous. So the bounds hold on the whole of every piece; where an
-optimal motion touches a bound, its knot moves there and nothing is lost. A new kind of row is a new quantity here: its
-value, its gradient, and its second derivatives.
+ones of neighbouring pieces because the derivative is continuous. So the bounds hold on the whole of every piece; where
+an optimal motion touches a bound, its knot moves there and nothing is lost. A new kind of row is a new quantity here:
+its value, its gradient, and its second derivatives.
 
 All arrays end in (n_segments, n_moving, K).
 
@@ -58,7 +58,7 @@ class Point(NamedTuple):
 
 
 class Pieces(NamedTuple):
-    """What is known at a point.
+    """States of all pieces at a point.
 
     Attributes
     ----------

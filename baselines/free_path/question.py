@@ -17,7 +17,7 @@ Integers = NDArray[np.intp]
 
 @dataclass(frozen=True, eq=False)
 class FreePathProblem:
-    """Pass through waypoints as fast as limits allow, with everything that may differ by direction or segment given apart.
+    """Time-optimal motion through waypoints, with everything that may differ by direction or segment given apart.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class FreePathProblem:
 
     @property
     def kinds(self) -> Integers:
-        """Highest limited rate of every joint, shape (n_joints,): 3 jerk, 2 acceleration, 1 velocity, 0 none or still."""
+        """Highest limited rate by joint, shape (n_joints,): 3 jerk, 2 acceleration, 1 velocity, 0 none or still."""
         limited = np.isfinite(np.minimum(-self.lower, self.upper)).any(axis=1)
         highest = (limited * np.arange(1, 4)[:, None]).max(axis=0)
         return np.where(np.ptp(self.waypoints, axis=0) > floors(self.waypoints), highest, 0)

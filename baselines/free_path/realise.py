@@ -1,4 +1,4 @@
-"""From a point of the nonlinear program to an exact motion: equations closed to rounding, knots of all joints united."""
+"""Exact motion from a point of the nonlinear program: equations closed to rounding, knots of all joints united."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def stretch(model: Model, point: Point) -> float:
 
 
 def leaves_range(model: Model, point: Point, margin: float) -> Flags:
-    """Where a motion comes closer to the end of its range of positions than a share of the joint's span; beyond, if negative.
+    """Mask of joints nearer to an end of their range than a share of their span, by segment; beyond it, if negative.
 
     Returns
     -------

@@ -47,7 +47,7 @@ class Rows:
         return np.concatenate([at.rows.ravel(), nodes.ravel()])
 
     def change(self, at: Pieces, step: Point) -> Floats:
-        """How they change along a step, to first order."""
+        """Directional derivative of the rows along a step."""
         nodes = np.stack([-step.nodes, step.nodes])
         nodes[self.nodes_idle] = 0.0
         return np.concatenate([push(self.model, self.bounds, at, step).ravel(), nodes.ravel()])

@@ -22,7 +22,7 @@ GIVE_UP = 1e12
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Where every shared unknown stands in the reduced system.
+    """Index of every shared unknown in the reduced system.
 
     Attributes
     ----------

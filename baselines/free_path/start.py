@@ -1,4 +1,4 @@
-"""Where the interior-point method starts: widths graded for long moves, states from a stretched cubic spline."""
+"""Initial point of the interior-point method: widths graded for long moves, states from a stretched cubic spline."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from study.problem import Floats
 def graded(model: Model) -> Floats:
     """Shares of the widths in every segment, shape (n_segments, n_moving, K).
 
-    A long move spends most of its time at full speed, so that equal pieces leave too few for speeding up and slowing down.
-    The outer pieces are therefore no longer than a move from rest takes for its phases: of full jerk, of full
+    A long move spends most of its time at full speed, so that equal pieces leave too few for speeding up and slowing
+    down. The outer pieces are therefore no longer than a move from rest takes for its phases: of full jerk, of full
     acceleration, of full jerk again.
     """
     segments, joints, pieces = model.shape

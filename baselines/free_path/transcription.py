@@ -1,8 +1,9 @@
 """Transcription of the free-path program for IPOPT: free segment durations, K equal pieces per segment, exact limits.
 
-Velocity is a parabola in a piece of linear acceleration. It is held at the piece's ends and at one inner point u, there by
-v(u) + kappa a(u)^2 <= V: with kappa = h / (2 |a1 - a0|) that is the height of the peak wherever in the piece it stands.
-Where a piece ends, v + a^2 / (2 J) <= V holds too, as it must where the acceleration can fade no faster than at J.
+Velocity is a parabola in a piece of linear acceleration. It is held at the piece's ends and at one inner point u, there
+by v(u) + kappa a(u)^2 <= V: with kappa = h / (2 |a1 - a0|) that is the height of the peak wherever in the piece it
+stands. Where a piece ends, v + a^2 / (2 J) <= V holds too, as it must where the acceleration can fade no faster than at
+J.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """COPP: third-order path parameterization on `toppra`'s clamped path, by sequential cone programs; the extra `copp`.
 
-COPP's open core returns path speed and acceleration at stations. Between stations the motion here follows the quintic in
-time that meets both states; what this interpolation lets above a limit is removed by stretching by the exact factor.
+COPP's open core returns path speed and acceleration at stations. Between stations the motion here follows the quintic
+in time that meets both states; what this interpolation lets above a limit is removed by stretching by the exact factor.
 
 References
 ----------

@@ -1,10 +1,11 @@
 """Time-optimal path parameterization under velocity, acceleration and jerk limits, as a nonlinear program.
 
 TOPP-RA chooses path acceleration as it likes from gridpoint to gridpoint, so its jerk is infinite. Here the third
-derivative of the path parameter is constant in each of K pieces per segment and the durations of the pieces are free, so
-s(t) is a cubic spline, the motion a polynomial of degree 9 in every piece, and acceleration is continuous wherever that
-of the path's second derivative is. Limits are held at points of every piece, at first evenly spread, then wherever the
-last solution peaked; what is still above them after the last round is removed by stretching the motion by its exact factor.
+derivative of the path parameter is constant in each of K pieces per segment and the durations of the pieces are free,
+so s(t) is a cubic spline, the motion a polynomial of degree 9 in every piece, and acceleration is continuous wherever
+that of the path's second derivative is. Limits are held at points of every piece, at first evenly spread, then wherever
+the last solution peaked; what is still above them after the last round is removed by stretching the motion by its exact
+factor.
 
 The path is the clamped one of `toppra` (`baselines.path_timing.toppra.chord_path`).
 """
@@ -183,8 +184,8 @@ def _halved(x: Floats) -> Floats:
 class Topp3Nlp(Deterministic):
     """Planner `topp3-nlp`: the chord path under velocity, acceleration and jerk limits.
 
-    One piece per segment is solved first; its solution, with every piece cut in two, starts the next, so more pieces never
-    give a slower motion.
+    One piece per segment is solved first; its solution, with every piece cut in two, starts the next, so more pieces
+    never give a slower motion.
 
     Parameters
     ----------

@@ -1,13 +1,15 @@
 """TOPP-RA: time-optimal speed along a given path under velocity and acceleration limits.
 
 Two paths are tried, both cubic splines through the waypoints, and the faster motion stays. The parameter of the clamped
-spline grows from waypoint to waypoint by the distance between them, every joint measured in units of its velocity limit;
-q'(s) is zero at both ends, so the joints are at rest there whatever the path speed, and the largest that the limits allow
-is taken. The parameter of the natural spline grows by the root of that distance; its path speed starts and ends at zero.
+spline grows from waypoint to waypoint by the distance between them, every joint measured in units of its velocity
+limit; q'(s) is zero at both ends, so the joints are at rest there whatever the path speed, and the largest that the
+limits allow is taken. The parameter of the natural spline grows by the root of that distance; its path speed starts and
+ends at zero.
 
 References
 ----------
-E. T. Y. Lee, Choosing nodes in parametric curve interpolation, Computer-Aided Design 21(6), 1989 (centripetal parameter).
+E. T. Y. Lee, Choosing nodes in parametric curve interpolation, Computer-Aided Design 21(6), 1989 (centripetal
+parameter).
 
 H. Pham, Q.-C. Pham, A new approach to time-optimal path parameterization based on reachability analysis, IEEE
 Transactions on Robotics 34(3), 2018.
@@ -40,7 +42,7 @@ LEAST_STEPS = 2
 """Grid steps between neighbouring waypoints, however many waypoints there are."""
 
 UNLIMITED = 1e9
-"""What stands for an infinite limit, in units of the joint's own scale: TOPP-RA needs finite numbers."""
+"""Substitute for an infinite limit, in units of the joint's own scale: TOPP-RA needs finite numbers."""
 
 
 PathRule = Callable[[Floats, JointLimits], "Path"]
@@ -161,8 +163,8 @@ def speeds_from_rest(path: Path, wanted: list[constraint.Constraint], points: Fl
 def end_speeds(path: Path, acceleration: Floats, points: Floats) -> tuple[float, float]:
     """Largest constant path speeds over the first and the last grid step.
 
-    At constant path speed v the acceleration is q'' v^2, and q'' is linear in the step. TOPP-RA itself is not asked about
-    the two end points: with q' = 0 the path acceleration is unbounded there, and its linear programs degenerate.
+    At constant path speed v the acceleration is q'' v^2, and q'' is linear in the step. TOPP-RA itself is not asked
+    about the two end points: with q' = 0 the path acceleration is unbounded there, and its linear programs degenerate.
     """
     about = path.at(points[[0, 1, -2, -1]])
     with np.errstate(divide="ignore"):

@@ -3,14 +3,16 @@
 What the curve gives away (all over one piece, u in [0, 1], a prime for d/du):
 
 * q(u) does not depend on the durations: q', q'', q''' at a point are numbers.
-* t'(u) is a quadratic B-spline in e_k = T_(k+1) - T_k, the steps of the time control points, of which the first and last
-  are zero. Durations and e are tied by a tridiagonal matrix, so the steps serve as variables and every row is sparse.
+* t'(u) is a quadratic B-spline in e_k = T_(k+1) - T_k, the steps of the time control points, of which the first and
+  last are zero. Durations and e are tied by a tridiagonal matrix, so the steps serve as variables and every row is
+  sparse.
 * Velocity: |q'| <= V t' is linear in e, and of all joints only the largest |q'|/V counts at a point.
-* Acceleration: |q'' t' - q' t''| <= A t'^3. With x = t', y = t'' and q' > 0 one side reads y >= (q'' x - A x^3)/q', whose
-  right side is concave for x > 0: the *complement* of the feasible set is convex, so the problem is in general not convex.
-  Nothing proves a local optimum global; hence the multi-start (in trials all starts agreed).
-* Without acceleration and jerk limits what remains is a linear programme. At any finite set of points it is a relaxation
-  (fewer rows, fewer limits), so its value is a proven lower bound, and it is the optimum where only velocity binds.
+* Acceleration: |q'' t' - q' t''| <= A t'^3. With x = t', y = t'' and q' > 0 one side reads y >= (q'' x - A x^3)/q',
+  whose right side is concave for x > 0: the *complement* of the feasible set is convex, so the problem is in general
+  not convex. Nothing proves a local optimum global; hence the multi-start (in trials all starts agreed).
+* Without acceleration and jerk limits what remains is a linear programme. At any finite set of points it is a
+  relaxation (fewer rows, fewer limits), so its value is a proven lower bound, and it is the optimum where only velocity
+  binds.
 """
 
 from __future__ import annotations
@@ -109,7 +111,7 @@ class BSpline:
         return lower, np.full(lower.size, np.inf)
 
     def parameters(self, problem: Problem, slots: dict[int, Slots]) -> Floats:
-        """Points and corrections, then for every slot the path's derivatives there, over the limit, with the peak's sign."""
+        """Points, corrections, then the path's derivatives at every slot, over the limit, with the peak's sign."""
         values = slot_values(slots)
         coefficients = np.moveaxis(bspline.unit_coefficients(problem.waypoints), 1, 2)
         for order, slot in slots.items():
@@ -152,8 +154,8 @@ def time_rates(windows: tuple[Any, Any, Any], u: Any) -> tuple[Any, Any, Any]:
 def slack(path: list[Any], time: tuple[Any, Any, Any], order: int) -> tuple[Any, Any]:
     """Slack of a limit at a point, R, and its derivative by u.
 
-    With N = q''t' - q't'': R = t' - q', t'^3 - N, t'^5 - (N't' - 3Nt''), the path taken over its limit. A peak that reaches
-    its limit is where R = R' = 0.
+    With N = q''t' - q't'': R = t' - q', t'^3 - N, t'^5 - (N't' - 3Nt''), the path taken over its limit. A peak that
+    reaches its limit is where R = R' = 0.
     """
     (q1, q2, q3), (t1, t2, t3) = path, time
     if order == 1:

@@ -1,9 +1,9 @@
 """Peaks of the rates of a motion, piece by piece, and the finite sets of points at which an NLP holds the limits.
 
-A limit |r(u)| <= 1 over a whole piece is held at points u_k. A plain point only cuts: where an optimum rests on a peak that
-moves with the durations, points alone close in on it slowly, as cutting planes do. So a peak also carries a
-curvature correction kappa = 1/(2 r''(u_k)), and the row reads r(u_k) - kappa r'(u_k)^2: the height of the peak to second
-order in its shift, which is the first and second derivative of the peak value itself where r'(u_k) = 0.
+A limit |r(u)| <= 1 over a whole piece is held at points u_k. A plain point only cuts: where an optimum rests on a peak
+that moves with the durations, points alone close in on it slowly, as cutting planes do. So a peak also carries a
+curvature correction kappa = 1/(2 r''(u_k)), and the row reads r(u_k) - kappa r'(u_k)^2: the height of the peak to
+second order in its shift, which is the first and second derivative of the peak value itself where r'(u_k) = 0.
 """
 
 from __future__ import annotations
@@ -46,14 +46,14 @@ class Critical:
 
 
 def corrections_of(curvature: Floats, level: Mask, ratios: Floats, points: Floats) -> Floats:
-    """Curvature correction of every peak inside its piece that is level and whose curvature is clear enough to divide by."""
+    """Curvature correction of every level peak inside its piece whose curvature is clear enough to divide by."""
     inside = (points > INTERIOR) & (points < 1 - INTERIOR)
     peaked = inside & level & (-curvature * np.sign(ratios) > 1e-2 * np.abs(ratios))
     return np.divide(0.5, curvature, out=np.zeros_like(curvature), where=peaked)
 
 
 def is_root(coefficients: Floats, points: Floats) -> Mask:
-    """Whether polynomials vanish at points; `polynomial.roots` also returns points that are no roots."""
+    """Mask of the points at which polynomials vanish; `polynomial.roots` also returns points that are no roots."""
     size = np.abs(coefficients).sum(axis=-1)[..., None]
     return np.abs(polynomial.value(coefficients[..., None, :], points)) <= 1e-9 * size
 
@@ -96,7 +96,7 @@ class Slots:
 
     @property
     def used(self) -> Mask:
-        """Which slots hold a point."""
+        """Mask of the slots that hold a point."""
         return ~np.isnan(self.points)
 
     def filled(self) -> Floats:
@@ -109,7 +109,7 @@ class Slots:
         self._met[:, :, : len(points)] = np.inf
 
     def refresh(self, critical: Critical, threshold: float, corrected: bool) -> None:
-        """Take in every point whose ratio exceeds a threshold, highest first, in the place of the point it has moved from.
+        """Add every point whose ratio exceeds a threshold, highest first, in place of the point it has moved from.
 
         Points that are not met again lose their correction and stay as plain cuts.
         """

@@ -26,7 +26,7 @@ FIRST = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
-    """Where an exchange ended.
+    """Result of an exchange.
 
     Attributes
     ----------

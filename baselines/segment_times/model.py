@@ -1,7 +1,8 @@
 """CasADi models of the curve families: symbolic rows, the IPOPT solvers built from them, and their numeric side.
 
-Problems are dimensionless. A row of the model is a rate over its limit at a point of a piece, so every row lies in [-1, 1].
-The points are parameters; a model is built once for each family and shape and serves every problem and exchange round.
+Problems are dimensionless. A row of the model is a rate over its limit at a point of a piece, so every row lies in [-1,
+1]. The points are parameters; a model is built once for each family and shape and serves every problem and exchange
+round.
 """
 
 from __future__ import annotations

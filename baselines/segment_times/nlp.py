@@ -1,8 +1,8 @@
 """Nonlinear program over segment durations on a curve family, with every limit held between points too.
 
-The limits are semi-infinite: they hold at every instant. The exchange holds them at a few points, solves, lets exact extrema
-find where they break, adds those points and solves again; a stretch by about 1 + 1e-9 then makes the answer feasible to the
-last digit. The curve families are in `polynomial_curves` and `bspline_curve`.
+The limits are semi-infinite: they hold at every instant. The exchange holds them at a few points, solves, lets exact
+extrema find where they break, adds those points and solves again; a stretch by about 1 + 1e-9 then makes the answer
+feasible to the last digit. The curve families are in `polynomial_curves` and `bspline_curve`.
 """
 
 from __future__ import annotations

@@ -145,8 +145,8 @@ class PolynomialFamily:
 class Poly353(PolynomialFamily):
     """Cubic-quintic-cubic: three durations, nothing else.
 
-    The two cubics peak at closed forms, 3 d/t, 6 d/t^2 and 6 d/t^3, so their limits are lower bounds on the first and last
-    duration; only the quintic needs points.
+    The two cubics peak at closed forms, 3 d/t, 6 d/t^2 and 6 d/t^3, so their limits are lower bounds on the first and
+    last duration; only the quintic needs points.
     """
 
     @property
@@ -234,7 +234,7 @@ class CubicSpline(PolynomialFamily):
         return Rows(ca.vertcat(h, ca.vec(m)), p, ca.sum1(h), ca.vertcat(*rows), equal=self.n_accelerations * joints)
 
     def _equations(self, start: Any, stop: Any) -> Any:
-        """Velocity steps at the knots; at the ends the clamped spline has to come to rest, the smooth one does by itself."""
+        """Velocity steps at the knots; at the ends the clamped spline has to stop, the smooth spline does by itself."""
         if self.smooth:
             return start[1:, :] - stop[:-1, :]
         rest = ca.SX.zeros(1, self.n_joints)
@@ -274,7 +274,7 @@ class CubicSpline(PolynomialFamily):
 
 
 def _halved(h: Any, m: Any, d: Any) -> tuple[Any, Any, Any]:
-    """Widths, accelerations at the knots and steps of the smooth spline; its virtual knots stand m a^2 / 6 from the ends."""
+    """Widths, knot accelerations and steps of the smooth spline; its virtual knots stand m a^2 / 6 from the ends."""
     widths = ca.vertcat(h[0] / 2, h[0] / 2, h[1:-1], h[-1] / 2, h[-1] / 2)
     first, last = m[0, :] * (h[0] / 2) ** 2 / 6, m[-1, :] * (h[-1] / 2) ** 2 / 6
     rest = ca.SX.zeros(1, d.shape[1])

@@ -1,7 +1,8 @@
 """Quintic segments with free velocities and accelerations at the waypoints, transcribed for CasADi.
 
-Every cubic spline and the 3-5-3 curve are such motions: two derivatives are continuous and no segment needs a higher power.
-Only their end conditions matter: a clamped spline has an acceleration at its ends, so it is one where that is free.
+Every cubic spline and the 3-5-3 curve are such motions: two derivatives are continuous and no segment needs a higher
+power. Only their end conditions matter: a clamped spline has an acceleration at its ends, so it is one where that is
+free.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from study.problem import EndCondition, Floats, Problem
 from study.trajectory import Motion, Trajectory
 
 FIRST_POINTS = {1: (0.25, 0.5, 0.75), 2: (1 / 3, 2 / 3), 3: (0.0, 0.5, 1.0)}
-"""With the bounds at the waypoints enough points to fix each rate's polynomial, so that a first solve cannot stray far."""
+"""With the bounds at the waypoints enough points to fix each rate's polynomial: a first solve cannot stray far."""
 
 
 PULL = 1e-4
@@ -101,5 +102,5 @@ class Quintic(PolynomialFamily):
 
 
 def _held(problem: Problem) -> list[int]:
-    """Which rates are zero at both ends: 0 for velocity, 1 for acceleration."""
+    """Rates that are zero at both ends: 0 for velocity, 1 for acceleration."""
     return {EndCondition.FREE: [], EndCondition.REST: [0], EndCondition.SMOOTH: [0, 1]}[problem.end]

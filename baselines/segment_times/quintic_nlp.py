@@ -1,7 +1,7 @@
 """Quintic segments through the waypoints, as fast as IPOPT can make them: a freer curve than the papers', same limits.
 
-The program starts from the optima of the narrower curves, and the fastest motion of all is kept, so no answer is slower than
-the 3-5-3 or the cubic spline optimum where those are among the quintic motions.
+The program starts from the optima of the narrower curves, and the fastest motion of all is kept, so no answer is slower
+than the 3-5-3 or the cubic spline optimum where those are among the quintic motions.
 """
 
 from __future__ import annotations
@@ -29,8 +29,9 @@ from study.trajectory import Motion, Trajectory
 class QuinticNlp(Deterministic):
     """Planner `quintic-nlp`.
 
-    Velocity and acceleration are continuous and free at inner waypoints. At the ends they follow the problem's end condition:
-    zero where it demands rest or a smooth end, else free within the limits. The settings' curve does not matter.
+    Velocity and acceleration are continuous and free at inner waypoints. At the ends they follow the problem's end
+    condition: zero where it demands rest or a smooth end, else free within the limits. The settings' curve does not
+    matter.
     """
 
     about: ClassVar[str] = (

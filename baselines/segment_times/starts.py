@@ -12,7 +12,7 @@ MARGIN = 1.02
 """An interior-point method starts a little inside its limits."""
 
 SAMPLE = {"few segments": 2000, "many": 200}
-"""Random durations looked at: three segments, all that the 3-5-3 curve has, have optima of very different proportions."""
+"""Number of random starts: the 3-5-3 curve's three segments have optima of very different proportions."""
 APART = 0.3
 """Starts differ by at least this in the logarithm of some segment's share."""
 
@@ -41,7 +41,8 @@ def starts(problem: Problem, curve: Curve, count: int, seed: int) -> list[Floats
     """Choose feasible durations to start from, shape (n_segments,) each.
 
     The first is the guess and does not depend on the seed. The others are the best of a random sample around it after
-    stretching, each apart from those chosen before: optima of different kinds lie in different proportions of durations.
+    stretching, each apart from those chosen before: optima of different kinds lie in different proportions of
+    durations.
     """
     rng = np.random.default_rng(seed)
     base = guess(problem)

@@ -26,7 +26,7 @@ MERGE = 1e-12
 
 
 class State(NamedTuple):
-    """Where all joints are and how they move; arrays of shape (n_joints,)."""
+    """Position, velocity and acceleration of all joints; arrays of shape (n_joints,)."""
 
     position: Floats
     velocity: Floats
@@ -168,8 +168,8 @@ def stop_everywhere(problem: Problem) -> Trajectory:
 def in_own_time(problem: Problem) -> tuple[Problem, Units]:
     """Measure time in a unit in which moves take seconds: Ruckig's tolerances are absolute, and it refuses hours.
 
-    The unit is a power of two, so that scaling is exact, and 1 s for moves between hundredths of a second and a quarter of
-    an hour.
+    The unit is a power of two, so that scaling is exact, and 1 s for moves between hundredths of a second and a quarter
+    of an hour.
     """
     longest = usual_bounds(problem.waypoints, problem.limits)[1] / 10
     unit = 1.0 if 1e-2 < longest < 1e3 else float(2.0 ** np.round(np.log2(longest)))

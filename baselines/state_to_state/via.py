@@ -1,17 +1,17 @@
 """Optimised via states with Ruckig's minimum-time moves between them.
 
-Each move takes as long as its slowest joint, so the total time is a sum of maxima, which has kinks: a step that helps one
-joint alone rarely helps. The search therefore solves a linear program for all via states at once: minimise the sum of the
-moves' times under linear models of every joint's own minimum time, in a box that shrinks when the true total does not
-follow. It starts from stopping everywhere, from the slopes between waypoints, and from the states in which the motion of the
-free-path program passes the waypoints. That motion is itself among the answers: it holds all limits where Ruckig, told to
-take longer than a joint needs, may exceed a velocity limit by up to 1 %, and where a joint that hardly moves may be unable to
-arrive in its neighbours' time.
+Each move takes as long as its slowest joint, so the total time is a sum of maxima, which has kinks: a step that helps
+one joint alone rarely helps. The search therefore solves a linear program for all via states at once: minimise the sum
+of the moves' times under linear models of every joint's own minimum time, in a box that shrinks when the true total
+does not follow. It starts from stopping everywhere, from the slopes between waypoints, and from the states in which the
+motion of the free-path program passes the waypoints. That motion is itself among the answers: it holds all limits where
+Ruckig, told to take longer than a joint needs, may exceed a velocity limit by up to 1 %, and where a joint that hardly
+moves may be unable to arrive in its neighbours' time.
 
 References
 ----------
-J. Hald, K. Madsen, Combined LP and quasi-Newton methods for minimax optimization, Mathematical Programming 20, 1981: the
-first of the two stages.
+J. Hald, K. Madsen, Combined LP and quasi-Newton methods for minimax optimization, Mathematical Programming 20, 1981:
+the first of the two stages.
 """
 
 from __future__ import annotations
@@ -161,8 +161,8 @@ def slopes(problem: Problem) -> Floats:
 def as_passed(timing: Timing, motion: Trajectory) -> Floats:
     """Variables with which a motion passes the waypoints, or passes them a little slower.
 
-    Where the motion saturates two joints at once, one of them may be able to arrive at that instant but not a rounding error
-    later; a slightly slower pass has room.
+    Where the motion saturates two joints at once, one of them may be able to arrive at that instant but not a rounding
+    error later; a slightly slower pass has room.
     """
     slower = [motion.scaled(factor) for factor in SLOWER]
     passes = [timing.via.variables(m(m.waypoint_times, 1), m(m.waypoint_times, 2)) for m in slower]
@@ -206,7 +206,7 @@ def ruckig_via(problem: Problem, rounds: int = 200, pieces: int = 8, time_limit:
 
 
 def _fastest(problem: Problem, motions: list[tuple[Trajectory, Source]]) -> tuple[Trajectory, Source]:
-    """Fastest motion that the judge passes; Ruckig's moves may have to be slowed down, by up to 1 %, to be among them."""
+    """Fastest motion that the judge passes; Ruckig's moves may have to be slowed down by up to 1 % to pass."""
     candidates = []
     for motion, source in motions:
         verdict = judge(problem, motion)

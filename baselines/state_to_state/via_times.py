@@ -59,7 +59,8 @@ class ViaStates:
     def states(self, x: Floats, which: slice = slice(None)) -> list[State]:
         """States at the waypoints, or at some of them, for variables x.
 
-        Where |v| + a^2 / (2 J) > V the velocity limit is broken before or after the waypoint: the acceleration gives way.
+        Where |v| + a^2 / (2 J) > V the velocity limit is broken before or after the waypoint: the acceleration gives
+        way.
         """
         velocity, acceleration, jerk = self.problem.limits.rates
         v = np.clip(x[0] * self.scale[0], -velocity, velocity)

@@ -77,8 +77,8 @@ def _together(objective: Penalty, box: Box) -> None:
 def _peer(name: str, problem: Problem, objective: Penalty, box: Box) -> Call:
     generations = FEW.get(name, GENERATIONS)
     if name == "mealpy":
-        one = partial(papers_way.value_353, problem)
-        return partial(peers.with_mealpy, "pso", one, box, POPULATION, generations)
+        value = partial(papers_way.value_353, problem)
+        return partial(peers.with_mealpy, "pso", value, box, POPULATION, generations)
     if name == "pymoo":
         return partial(peers.with_pymoo, "pso", objective, box, POPULATION, generations)
     return partial(peers.with_pyswarms, objective, box, POPULATION, generations)

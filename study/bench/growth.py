@@ -1,4 +1,4 @@
-"""How a population's evaluation grows with waypoints, joints and population: time and peak memory."""
+"""Scaling of a population's evaluation with waypoints, joints and population: time and peak memory."""
 
 from __future__ import annotations
 

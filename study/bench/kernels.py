@@ -49,8 +49,8 @@ def kernel_rows(repetitions: int) -> list[Ratio]:
     rows = []
     for curve, (label, n_waypoints, n_joints, orders) in SETTINGS.items():
         waypoints, durations = sample(n_waypoints, n_joints, POPULATION)
-        one = papers_way.peaks_353 if curve == "poly353" else papers_way.peaks_spline
-        calls: dict[str, Call] = {"papers": partial(_papers, one, waypoints, durations)}
+        peaks = papers_way.peaks_353 if curve == "poly353" else papers_way.peaks_spline
+        calls: dict[str, Call] = {"papers": partial(_papers, peaks, waypoints, durations)}
         calls |= {by: peaks_call(curve, by, waypoints, durations, orders) for by in engines()}
         counts = {"papers": FEW} | dict.fromkeys(engines(), POPULATION)
         taken = interleaved(calls, repetitions, counts)
@@ -65,9 +65,9 @@ def kernel_rows(repetitions: int) -> list[Ratio]:
     return rows + _bspline_rows(repetitions)
 
 
-def _papers(one: Callable[[Floats, Floats], Floats], waypoints: Floats, durations: Floats) -> None:
+def _papers(peaks: Callable[[Floats, Floats], Floats], waypoints: Floats, durations: Floats) -> None:
     for row in durations[:FEW]:
-        one(waypoints, row)
+        peaks(waypoints, row)
 
 
 NOT_THERE = "numba is not installed; install the extra `fast`"

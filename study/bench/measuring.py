@@ -18,7 +18,7 @@ SHORTEST = 0.02
 
 @dataclass(frozen=True)
 class Ratio:
-    """How many times as long a peer takes, over repetitions.
+    """Ratio of a peer's time to ours, over repetitions.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ def interleaved(calls: Mapping[str, Call], repetitions: int, counts: Mapping[str
 
 
 def _loops(call: Call) -> int:
-    """How often a call must be repeated to fill the shortest stretch; the first call also warms it up."""
+    """Number of repeated calls that fill the shortest measurement; the first call also warms up."""
     call()
     once = _seconds(call, 1)
     return max(1, round(SHORTEST / max(once, 1e-7)))

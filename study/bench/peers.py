@@ -31,12 +31,12 @@ def installed(package: str) -> bool:
     return find_spec(package) is not None
 
 
-def with_mealpy(search: str, one: Callable[[Floats], float], box: Box, population: int, generations: int) -> None:
+def with_mealpy(search: str, value: Callable[[Floats], float], box: Box, population: int, generations: int) -> None:
     """Run mealpy's implementation of a search, which values one candidate at a time."""
     mealpy: Any = importlib.import_module("mealpy")
     module = getattr(mealpy, MEALPY[search])
     problem = {
-        "obj_func": one,
+        "obj_func": value,
         "bounds": mealpy.FloatVar(lb=box.lower.tolist(), ub=box.upper.tolist()),
         "minmax": "min",
         "log_to": None,
@@ -62,7 +62,7 @@ def with_pymoo(search: str, objective: Objective, box: Box, population: int, gen
     optimise.minimize(Task(), algorithm, ("n_gen", generations), seed=1, verbose=False)
 
 
-def with_niapy(search: str, one: Callable[[Floats], float], box: Box, population: int, generations: int) -> None:
+def with_niapy(search: str, value: Callable[[Floats], float], box: Box, population: int, generations: int) -> None:
     """Run NiaPy's implementation of a search, which values one candidate at a time."""
     problems: Any = importlib.import_module("niapy.problems")
     task: Any = importlib.import_module("niapy.task")
@@ -70,7 +70,7 @@ def with_niapy(search: str, one: Callable[[Floats], float], box: Box, population
 
     class Question(problems.Problem):  # type: ignore[misc]
         def _evaluate(self, x: Floats) -> float:
-            return one(x)
+            return value(x)
 
     question = Question(len(box.lower), box.lower, box.upper)
     algorithm = getattr(basic, NIAPY[search])(population_size=population, seed=1)

@@ -42,9 +42,9 @@ def _case_rows(name: str, repetitions: int) -> list[Ratio]:
 
 
 def _row(label: str, planner: str, plan: partial[Plan], problem: Problem, repetitions: int) -> Ratio:
-    found = plan()
-    if found.status is not Status.FINISHED:
-        return Ratio(TOPIC, label, "", "plan", missing=found.message or found.status.value)
+    result = plan()
+    if result.status is not Status.FINISHED:
+        return Ratio(TOPIC, label, "", "plan", missing=result.message or result.status.value)
     calls: dict[str, partial[Any]] = {"ours": plan}
     if planner == "toppra":
         calls["default"] = partial(toppra_by_default, problem)

@@ -30,7 +30,7 @@ Told = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Bench:
-    """What was measured, where and how.
+    """Measurements, with the machine and the settings.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What the searches themselves cost: an objective that costs next to nothing, ours and others' implementations.
+"""Overhead of the searches on an objective of almost no cost, beside other implementations.
 
 Ours take their compiled steps where they have any and numba is there, as in a long run.
 """

@@ -1,4 +1,4 @@
-"""What a case is: a problem, how its paper solves it, and what the paper prints."""
+"""A case: a problem, its paper's planner settings and its printed results."""
 
 from __future__ import annotations
 

@@ -53,15 +53,15 @@ class _LedgerFile(Strict):
 @cache
 def _entries() -> tuple[Entry, ...]:
     path = data_folder() / "ledger.yaml"
-    found = tuple(checked(_LedgerFile, read_yaml(path), f"file {path.name!r}").entries)
-    ids = [entry.id for entry in found]
+    entries = tuple(checked(_LedgerFile, read_yaml(path), f"file {path.name!r}").entries)
+    ids = [entry.id for entry in entries]
     if doubled := {name for name in ids if ids.count(name) > 1}:
         raise StudyError(f"file {path.name!r}: entry {min(doubled)!r} stands twice; rename one")
     known = papers()
-    for entry in found:
+    for entry in entries:
         if entry.paper not in known:
             raise unknown(f"paper (in ledger entry {entry.id!r})", entry.paper, known)
-    return found
+    return entries
 
 
 def ledger(paper: str | None = None) -> tuple[Entry, ...]:

@@ -73,10 +73,10 @@ def load_case(name_or_path: str | Path) -> Case:
 def _library() -> dict[str, Case]:
     cases: dict[str, Case] = {}
     for path in sorted((data_folder() / "cases").glob("*.yaml")):
-        found = _cases_in(path)
-        if doubled := cases.keys() & found.keys():
+        in_file = _cases_in(path)
+        if doubled := cases.keys() & in_file.keys():
             raise StudyError(f"file {path.name!r}: case {min(doubled)!r} is defined in another file too; rename one")
-        cases |= found
+        cases |= in_file
     return cases
 
 

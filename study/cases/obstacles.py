@@ -1,4 +1,4 @@
-"""How near an arm comes to obstacles and to itself while it moves, proved between instants too."""
+"""Clearance of a moving arm to obstacles and to itself, proved between samples too."""
 
 from __future__ import annotations
 

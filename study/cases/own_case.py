@@ -34,12 +34,12 @@ from study.robots import robot_named
 
 _RATES = ("velocity", "acceleration", "jerk")
 UNIT_IN_NAME = re.compile(rf"[\[(]({'|'.join(SI)})[\])]\s*$")
-"""How a column's name gives its unit, as in `elbow [deg]`."""
+"""Unit in a column's name, as in `elbow [deg]`."""
 
 
 @dataclass(frozen=True, eq=False)
 class OwnParts:
-    """What a file of one's own comes to.
+    """Parts of a case, read from a user's file.
 
     Attributes
     ----------
@@ -148,7 +148,7 @@ def _duration_bounds(file: OwnCase) -> tuple[float, float] | None:
 
 
 def bare_content(path: Path, units: str | None, limits: Sequence[Path]) -> dict[str, Any]:
-    """What a case file would say about a file of waypoints alone, with limits from other files."""
+    """Content of a case file for a file of waypoints alone, with limits from other files."""
     if not limits:
         raise StudyError(
             f"file {path.name!r} holds waypoints only; add --limits with a joint_limits.yaml or a URDF, or write a case "
@@ -261,11 +261,11 @@ def _robot(name: str | None, path: Path, problem: Problem) -> str | None:
     """One of the study's arms, or the path of a file beside the case's; the arm must have the problem's joints."""
     if name is None:
         return None
-    found = str((path.parent / name).resolve()) if Path(name).suffix else name
-    arm = robot_named(found, tuple(problem.joint_names))
+    robot = str((path.parent / name).resolve()) if Path(name).suffix else name
+    arm = robot_named(robot, tuple(problem.joint_names))
     if arm.n_joints != problem.n_joints:
         raise StudyError(
             f"file {path.name!r}: robot {arm.name!r} has {arm.n_joints} moving joints, the waypoints have {problem.n_joints}; "
             "name the moving ones under 'joints', as the robot's file does"
         )
-    return found
+    return robot

@@ -1,4 +1,4 @@
-"""What a file of one's own may demand of a motion besides limits, and the parts of a problem that this comes to."""
+"""Constraints besides limits in a user's file, and the parts of a problem made of them."""
 
 from __future__ import annotations
 

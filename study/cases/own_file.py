@@ -1,4 +1,4 @@
-"""What a file about one's own robot may say; the JSON Schema for editors is made of these models."""
+"""Models of a user's case file; the JSON Schema for editors is made of them."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ Cells = list[float]
 Negative = Annotated[float, Field(lt=0)]
 
 
-def _listed(one: str, several: str) -> Any:
-    return forms(one=one, many=several)
+def _listed(single: str, several: str) -> Any:
+    return forms(one=single, many=several)
 
 
 class OwnDirections(Strict):

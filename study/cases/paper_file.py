@@ -1,4 +1,4 @@
-"""What a file in `data/cases` may say: every number with the place it comes from, ours marked as ours."""
+"""Models of the files in `data/cases`: every number with its source, ours marked as ours."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class Bounds(Sourced):
 
 
 class Settings(Sourced):
-    """How the paper ran its search."""
+    """Search settings of the paper."""
 
     population: Annotated[int, Field(ge=1)]
     iterations: Annotated[int, Field(ge=1)]
@@ -131,7 +131,7 @@ class CaseFile(Strict):
 
 
 class Variant(Strict):
-    """What a variant changes in its case, and why; a limit set to null is taken away."""
+    """Changes of a variant to its case, with the reason; a limit set to null is removed."""
 
     reason: str
     title: str

@@ -1,4 +1,4 @@
-"""Where the papers are and what they ask: `data/papers.yaml`, beside their citations."""
+"""The papers, their citations and their questions: `data/papers.yaml`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class _Question(Strict):
 
 @dataclass(frozen=True)
 class Paper:
-    """What the report says of a paper: its question in our words, where it is, and our findings in it."""
+    """A paper in the report: its question in our words, its citation, and our findings in it."""
 
     citation: str
     doi: str

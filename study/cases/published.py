@@ -1,4 +1,4 @@
-"""What the papers print: their numeric tables cell by cell, and the numbers in their prose."""
+"""Published results: the papers' numeric tables cell by cell, and the numbers in their prose."""
 
 from __future__ import annotations
 

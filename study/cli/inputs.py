@@ -41,7 +41,7 @@ Rate = Annotated[
 
 @dataclass(frozen=True)
 class Wishes:
-    """What the command line asks of the time of a motion, and of the instants at which it is written down.
+    """Requested duration and sampling of a motion, from the command line.
 
     Attributes
     ----------

@@ -130,7 +130,7 @@ def save_motion(
 
 
 def trajectory_file(out: Path, case: Case, form: str) -> Path:
-    """Where the trajectory of a case stands; what cannot be in a file's name is left out of it."""
+    """Path of the trajectory of a case; characters that a file name cannot have are left out."""
     return out / "trajectories" / f"{file_stem(case.name)}{form}"
 
 

@@ -58,20 +58,20 @@ def reproduce(
     pages = out / "report" / "reproduction"
     facts = {**environment(), "effort": effort.label}
     with console.status("writing the pages"):
-        for paper, found in entries.items():
-            write_paper(paper, found, runs, effort, pages, facts)
+        for paper, printed in entries.items():
+            write_paper(paper, printed, runs, effort, pages, facts)
         index = write_index(entries, effort, pages, facts)
     console.print(f"pages: {index}", f"{time.perf_counter() - begun:.0f} s", sep="\n", soft_wrap=True)
     return entries
 
 
 def committed_path() -> Path:
-    """Where the verdicts of a full run are kept under version control."""
+    """Path of the verdicts of a full run under version control."""
     return data_folder() / "verdicts.csv"
 
 
 def key_of(entry: Entry) -> Key:
-    """What names an entry in the committed table."""
+    """Key of an entry in the committed table."""
     place = entry.section if entry.place.table == CLAIM else entry.place.table
     return entry.paper, place, entry.place.row, entry.place.column
 
@@ -101,15 +101,15 @@ def read_committed(path: Path) -> dict[Key, str]:
 
 def changes(entries: Sequence[Entry], committed: dict[Key, str]) -> list[str]:
     """Say which verdicts differ from the committed ones, entry by entry."""
-    found = []
+    lines = []
     for entry in entries:
         before, now = committed.get(key_of(entry)), entry.ruling.outcome.value
         if before != now:
             name = " / ".join(filter(None, key_of(entry)))
-            found.append(
+            lines.append(
                 f"{name}: {before or 'not there'} -> {now} (printed {entry.printed or '–'}, ours {entry.ruling.ours or '–'})"
             )
-    return found
+    return lines
 
 
 def tally(entries: Sequence[Entry]) -> str:
@@ -144,10 +144,10 @@ def reproduce_command(
         raise StudyError("--commit writes the verdicts of a full run: give --all, without --quick")
     console = make_console()
     papers = list(PAPERS) if paper is None else [paper_named(paper)]
-    found = reproduce(papers, QUICK if quick else FULL, out, Workers.of(jobs, fresh, memory, dask), console)
-    for name, entries in found.items():
+    reproduced = reproduce(papers, QUICK if quick else FULL, out, Workers.of(jobs, fresh, memory, dask), console)
+    for name, entries in reproduced.items():
         console.print(f"{name}: {tally(entries)}", soft_wrap=True)
-    flat = [entry for entries in found.values() for entry in entries]
+    flat = [entry for entries in reproduced.values() for entry in entries]
     if commit:
         write_committed(flat, committed_path())
         console.print(f"verdicts: {committed_path()}", soft_wrap=True)

@@ -104,13 +104,13 @@ def _cases(texts: Sequence[str] | None) -> dict[str, tuple[Case, str]]:
     """Load cases; for each the name or absolute path that loads it again."""
     names = [name.strip() for text in texts for name in text.split(",")] if texts else case_names(default_only=True)
     names = case_names() if names == ["all"] else names
-    found: dict[str, tuple[Case, str]] = {}
+    cases: dict[str, tuple[Case, str]] = {}
     for name in filter(None, names):
         case = load_case(name)
-        found[case.name] = (case, name if name == case.name else str(Path(name).resolve()))
-    if not found:
+        cases[case.name] = (case, name if name == case.name else str(Path(name).resolve()))
+    if not cases:
         raise StudyError("no cases to run; name some with --cases, see `study list`")
-    return found
+    return cases
 
 
 def _budget(seeds: int | None, evaluations: int | None, full: bool, time_limit: float) -> Budget:

@@ -78,7 +78,7 @@ class Workers:
 
 @dataclass(frozen=True)
 class Watch:
-    """Who is told how a run goes.
+    """Receivers of a run's progress.
 
     Attributes
     ----------
@@ -232,7 +232,7 @@ def _keep_to_oneself() -> None:
 
 
 def recording_file(out: Path, name: str) -> Path:
-    """Where the recording of a case stands; its folder is made."""
+    """Path of the recording of a case; its folder is made."""
     folder = out / "recordings"
     folder.mkdir(parents=True, exist_ok=True)
     return folder / f"{file_stem(name)}.rrd"

@@ -1,4 +1,4 @@
-"""What the command `study` prints: tables and progress, for people."""
+"""Terminal output of the command `study`: tables and progress."""
 
 from __future__ import annotations
 

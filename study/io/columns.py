@@ -18,7 +18,7 @@ TIME = re.compile(
     r"(\s*[\[(]?\s*(?P<unit>s|sec|secs|seconds|ms|us|ns)\s*[\])]?)?",
     re.IGNORECASE,
 )
-"""How recorders name the column of times; without a unit in seconds."""
+"""Names that recorders give the column of times; without a unit in seconds."""
 
 UNITS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
@@ -35,7 +35,7 @@ OTHERS = re.compile(
 
 
 class Order(IntEnum):
-    """How often a column is derived by time."""
+    """Order of a column's time derivative."""
 
     POSITION = 0
     VELOCITY = 1

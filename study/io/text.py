@@ -8,7 +8,7 @@ from study.errors import StudyError
 from study.files import read_file
 
 MARKS = ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
-"""How a file says that it is not UTF-8, as spreadsheet programs do."""
+"""Byte-order marks of files that are not UTF-8, as spreadsheet programs write them."""
 
 
 def read_text(path: Path) -> str:

@@ -164,7 +164,7 @@ def _joint(element: ET.Element, where: str, notes: list[str]) -> UrdfJoint:
     if name is None or kind is None:
         raise StudyError(f"{where}: a joint needs a name and a type, got {name!r} and {kind!r}")
     here = f"{where}, joint {name!r}"
-    links = [found.get("link") if (found := element.find(end)) is not None else None for end in ("parent", "child")]
+    links = [link.get("link") if (link := element.find(end)) is not None else None for end in ("parent", "child")]
     if links[0] is None or links[1] is None:
         raise StudyError(f"{here}: it needs a parent link and a child link")
     values = _limits(element, kind, here, notes)

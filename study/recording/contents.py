@@ -82,7 +82,7 @@ class Shown:
 
     @cached_property
     def uses(self) -> tuple[Use, ...]:
-        """When which limit is active."""
+        """Intervals in which each limit is active."""
         return limit_uses(self.motion, self.limits, extrema=self.extrema[1:])
 
     @cached_property

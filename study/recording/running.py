@@ -88,7 +88,7 @@ def _log_candidates(stream: rr.RecordingStream, where: str, case: Case, progress
     bounds, parts = np.log10(case.problem.duration_bounds), len(progress.candidates)
     log_frame(stream, where, corner, bounds, case.problem.n_segments)
     log_text(stream, where + "/name", (corner[0], corner[1] - 24.0), "candidates, best so far in white", GREY)
-    dots = [places(one, bounds, corner, (k, parts)) for k, one in enumerate(progress.candidates)]
+    dots = [places(durations, bounds, corner, (k, parts)) for k, durations in enumerate(progress.candidates)]
     colors = np.repeat(
         np.array([PALETTE[k % len(PALETTE)] for k in range(parts)]), [len(part) for part in dots], axis=0
     )

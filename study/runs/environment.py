@@ -1,4 +1,4 @@
-"""What a study ran on: versions and machine, as the report prints them."""
+"""Environment of a study: versions and machine, as the report prints them."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ from typing import Any, ParamSpec, TypeVar
 from study.supervisor import supervised
 
 MEMORY = Path("/proc/self/statm").exists()
-"""Whether this system can limit the memory of a worker."""
+"""True if this system can limit the memory of a worker."""
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -18,7 +18,7 @@ PERIOD = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """Where a search stands.
+    """Progress of a search.
 
     Attributes
     ----------

@@ -32,7 +32,7 @@ _Take = Callable[[Job[Any], Callable[[], Any]], Any]
 
 @dataclass(frozen=True)
 class RunOptions:
-    """How jobs are run, none of which is part of a job.
+    """Options for running jobs, none of which is part of a job.
 
     Attributes
     ----------

@@ -21,14 +21,14 @@ COLUMNS = (
     "kind", "subject", "label", "method", "settings", "seed", "code", "status", "feasible", "duration", "worst_ratio",
     "evaluations", "wall_time", "key", "digest",
 )  # fmt: skip
-"""What `export_columns` writes, in this order."""
+"""Columns that `export_columns` writes, in this order."""
 
 BATCH = 5000
 
 
 @dataclass(frozen=True)
 class Merged:
-    """What came of taking one file into another.
+    """Result of merging one file into another.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is to be run and what came of it."""
+"""Jobs and their outcomes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where outcomes live: one SQLite file, one writer, every job's outcome kept the moment it is finished.
+"""Store of outcomes: one SQLite file, one writer, every job's outcome kept the moment it is finished.
 
 A row is named by the content of its job and by the code behind it (see `study.store.kept.key_of`), so a job that is run
 twice is stored once, and a changed case or changed code makes a new one. Every row carries two checksums: the digest of

@@ -46,7 +46,7 @@ class SecondVerdict:
 
     @property
     def answer(self) -> Answer:
-        """Whether the demands are met, as far as the enclosure says."""
+        """Answer to the question whether the demands are met, as far as the enclosure decides."""
         if self.high <= TOLERANCE:
             return Answer.FEASIBLE
         return Answer.INFEASIBLE if self.low > TOLERANCE else Answer.UNDECIDED

@@ -26,7 +26,7 @@ FEASIBLE, REASON, TIMEOUT, WRONG, CRASH = (
     "crash",
 )
 OUTCOMES = (FEASIBLE, REASON, TIMEOUT, WRONG, CRASH)
-"""What can become of a problem; the last two must not happen."""
+"""Possible outcomes of a problem; the last two must not happen."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of an attempt, and the sentence that goes with it."""
+    """Outcome of an attempt, with its explanation in a sentence."""
 
     attempt: Attempt
     kind: str

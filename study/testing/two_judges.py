@@ -15,10 +15,10 @@ from study.tolerances import TOLERANCE
 from study.trajectory import Trajectory
 
 BAND = 1e-8
-"""Where the first judge's largest excess is so near the tolerance, both answers are right."""
+"""Width of the band around the tolerance in which both answers are right, for the first judge's largest excess."""
 
 AGREEMENTS = ("feasible", "infeasible", "in the band", "undecided", "different")
-"""What can come of two judges; the last must not happen."""
+"""Possible agreements of two judges; the last must not happen."""
 
 BLOCK = 200
 """Motions that a worker judges at a time."""
@@ -26,7 +26,7 @@ BLOCK = 200
 
 @dataclass(frozen=True)
 class Agreement:
-    """How two judges agree on many motions.
+    """Agreement of two judges on many motions.
 
     Attributes
     ----------
