@@ -35,11 +35,8 @@ from study.problem import Demand, Floats, JointLimits, Problem
 from study.tolerances import TOLERANCE
 from study.trajectory import Trajectory
 
-GRID = 4000
-"""Grid steps on the whole path at first, where the waypoints are so many that `per_segment` would give more."""
-
-LEAST_STEPS = 2
-"""Grid steps between neighbouring waypoints, however many waypoints there are."""
+GRID, LEAST_STEPS = 4000, 2
+"""Grid steps at most on the whole path at first, but at least between neighbours, however many waypoints there are."""
 
 UNLIMITED = 1e9
 """Substitute for an infinite limit, in units of the joint's own scale: TOPP-RA needs finite numbers."""
@@ -206,13 +203,10 @@ class Retimed:
 
     Attributes
     ----------
-    motion : Trajectory
     stretch : float
         The factor, at least 1.
     leaves : bool
         Whether the path leaves the range of positions.
-    lay : callable
-        The path's rule.
     """
 
     motion: Trajectory
