@@ -20,7 +20,13 @@ from study.cases.ledger import Entry
 from study.cases.library import Case
 from study.cautions import ends_said
 from study.judge import RATES, Verdict
-from study.problem import Problem
+from study.problem import Floats, Problem
+
+MOST_ROWS = 40
+"""Rows up to which a table of waypoints is printed whole."""
+
+EDGE_ROWS = 8
+"""Rows at the beginning and at the end of a longer one that are printed."""
 
 
 def progress(console: Console) -> Progress:
@@ -97,10 +103,17 @@ def _share(method: MethodSummary) -> str:
     return f"{method.feasible_runs} of {method.runs}"
 
 
-def times_text(times: Iterable[float], duration: float) -> str:
-    """Times with four decimals, or more where the whole motion takes less than a second."""
+def times_text(times: Sequence[float] | Floats, duration: float) -> str:
+    """Times with four decimals, or more where the whole motion takes less than a second; of many, the first and the last."""
     places = 4 + max(0, -math.floor(math.log10(duration))) if duration > 0 else 4
-    return ", ".join(f"{t:.{places}f}" for t in times)
+    first, last = _shown(len(times))
+    hidden = [f"... {last.start - first.stop:,} more ..."] * bool(last)
+    return ", ".join([*(f"{times[k]:.{places}f}" for k in first), *hidden, *(f"{times[k]:.{places}f}" for k in last)])
+
+
+def _shown(count: int) -> tuple[range, range]:
+    """Rows of a table to print: all of a few; of many, the first ones and the last ones."""
+    return (range(count), range(0)) if count <= MOST_ROWS else (range(EDGE_ROWS), range(count - EDGE_ROWS, count))
 
 
 def verdict_table(problem: Problem, verdict: Verdict) -> Table:
@@ -196,8 +209,12 @@ def _waypoints_table(case: Case) -> Table:
     table.add_column("", justify="right")
     for name, unit in zip(case.problem.joint_names, case.units, strict=True):
         table.add_column(f"{name} ({unit})", justify="right")
-    for number, row in enumerate(case.problem.waypoints, start=1):
-        table.add_row(str(number), *(f"{value:.6g}" for value in row))
+    first, last = _shown(case.problem.n_waypoints)
+    for index in (*first, *last):
+        if last and index == last.start:
+            table.add_row(*["..."] * (case.problem.n_joints + 1))
+            table.caption = f"waypoints {first.stop + 1:,} to {last.start:,} are not shown"
+        table.add_row(str(index + 1), *(f"{value:.6g}" for value in case.problem.waypoints[index]))
     return table
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from study.errors import StudyError
 from study.io.columns import sampled_columns
 from study.io.samples import Samples
-from study.io.table import all_numbers, csv_cells, numbers
+from study.io.table import all_numbers, csv_cells, decimal, numbers, plain_table
 from study.problem import Floats
 
 Lines = list[tuple[int, list[str]]]
@@ -31,6 +31,21 @@ def samples_from_csv(text: str, where: str) -> Samples:
     StudyError
         If the lines differ in length, or a cell is not a finite number.
     """
+    plain = plain_table(text)
+    return _by_lines(text, where) if plain is None else _at_once(*plain, text, where)
+
+
+def _at_once(first: list[str], values: Floats, text: str, where: str) -> Samples:
+    header, body = _header([(1, first)], text, where)
+    if not any(cell.strip() for cell in first) or (body and not all_numbers(first)):  # which no header is
+        return _by_lines(text, where)
+    rows = np.vstack([[decimal(cell) for cell in first], values]) if body else values
+    if not np.isfinite(rows[0]).all():
+        return _by_lines(text, where)
+    return sampled_columns(header, rows) if header else Samples(rows)
+
+
+def _by_lines(text: str, where: str) -> Samples:
     header, body = _header(csv_cells(text, where), text, where)
     if not body:
         raise StudyError(f"{where}: there are no waypoints; give one line for each")

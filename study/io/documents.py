@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +43,7 @@ def documents(path: Path) -> list[Any]:
     Returns
     -------
     list of object
-        At least one; None where the file is empty.
+        At least one; None where the file is empty. Not to be changed: the next reader of the same YAML text gets the same objects.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def documents(path: Path) -> list[Any]:
         package that reads YAML is missing.
     """
     text, where = read_text(path), f"file {str(path)!r}"
-    return [_from_json(text, where)] if path.suffix.lower() == ".json" else _from_yaml(text, where)
+    return [_from_json(text, where)] if path.suffix.lower() == ".json" else list(_from_yaml(text, where))
 
 
 def _from_json(text: str, where: str) -> Any:
@@ -90,6 +90,7 @@ def _depth(content: Any) -> int:
     return depth
 
 
+@lru_cache(maxsize=1)  # a command asks of which kind its file is before it reads the file
 def _from_yaml(text: str, where: str) -> list[Any]:
     try:
         import yaml

@@ -59,15 +59,42 @@ def csv_cells(text: str, where: str) -> list[tuple[int, list[str]]]:
     StudyError
         If a cell is too long.
     """
-    lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.split("#", 1)[0].strip()]
+    lines = _filled(text)
     quoted = '"' in text
-    bare = [re.sub(r'"[^"]*"', "", line) for _, line in lines] if quoted else [line for _, line in lines]
-    mark = next((mark for mark in (";", "\t", ",") if any(mark in line for line in bare)), None)
+    mark = _mark([re.sub(r'"[^"]*"', "", line) for _, line in lines] if quoted else [line for _, line in lines])
     try:
         cells = [(n, _split(line, mark) if quoted else line.split(mark)) for n, line in lines]
     except csv.Error as error:
         raise StudyError(f"{where} is no table: {error}") from None
     return [(n, row) for n, row in cells if any(cell.strip() for cell in row)]
+
+
+def plain_table(text: str) -> tuple[list[str], Floats] | None:
+    """Read a table at once, its first line as cells and all lines after it as numbers, shape (n_lines - 1, n_columns).
+
+    None where a quotation mark, a comment, a decimal comma, a line of another length or anything else but a finite number
+    stands in those lines; `csv_cells` and `numbers` take such a table line by line.
+    """
+    if '"' in text:
+        return None
+    lines = [line for _, line in _filled(text)]
+    if len(lines) < 2:
+        return None
+    mark = _mark(lines)
+    try:
+        values = np.loadtxt(lines[1:], delimiter=mark, comments=None, ndmin=2)
+    except ValueError:
+        return None
+    first = lines[0].split(mark)
+    return (first, values) if len(first) == values.shape[1] and np.isfinite(values).all() else None
+
+
+def _filled(text: str) -> list[tuple[int, str]]:
+    return [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.split("#", 1)[0].strip()]
+
+
+def _mark(lines: Sequence[str]) -> str | None:
+    return next((mark for mark in (";", "\t", ",") if any(mark in line for line in lines)), None)
 
 
 def _split(line: str, mark: str | None) -> list[str]:

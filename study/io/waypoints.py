@@ -60,8 +60,10 @@ def tidied(waypoints: Floats, radius: Floats | None, needed: Collection[int], wh
     """
     near = np.maximum(MERGED * float(np.ptp(waypoints, axis=0).max()), floors(waypoints))
     kept, place = [0], [0]
+    steps = np.abs(np.diff(waypoints, axis=0))
+    apart = np.asarray((steps > near).any(axis=1)).tolist()  # at once: recordings have many rows
     for index in range(1, len(waypoints)):
-        if (np.abs(waypoints[index] - waypoints[kept[-1]]) > near).any():
+        if apart[index - 1] if kept[-1] == index - 1 else (np.abs(waypoints[index] - waypoints[kept[-1]]) > near).any():
             kept.append(index)
         place.append(len(kept) - 1)
     notes = _merging(len(waypoints) - len(kept), place)
