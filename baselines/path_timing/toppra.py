@@ -8,9 +8,7 @@ ends at zero.
 
 References
 ----------
-E. T. Y. Lee, Choosing nodes in parametric curve interpolation, Computer-Aided Design 21(6), 1989 (centripetal
-parameter).
-
+E. T. Y. Lee, Choosing nodes in parametric curve interpolation, Computer-Aided Design 21(6), 1989.
 H. Pham, Q.-C. Pham, A new approach to time-optimal path parameterization based on reachability analysis, IEEE
 Transactions on Robotics 34(3), 2018.
 """

@@ -121,12 +121,24 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
     )
     warnings += [*notes, *kept.notes, *unlimited_joints(problem, read)]
     problem = problem if file.speed is None else problem.at_speed(file.speed)
+    sources = {"waypoints": str(file.waypoints) if rows else path.name, "limits": ", ".join(limit_files) or path.name}
+    return _parts(file, path, problem, tuple(SI[unit][0] for unit in units), sources, tuple(warnings))
+
+
+def _parts(
+    file: OwnCase,
+    path: Path,
+    problem: Problem,
+    units: tuple[str, ...],
+    sources: Mapping[str, str],
+    warnings: tuple[str, ...],
+) -> OwnParts:
     robot = _robot(file.robot, path, problem)
     if (file.obstacles or file.self_collision) and robot is None:
-        raise StudyError(f"{where}: obstacles need a robot to know where the arm is; name one under 'robot'")
+        raise StudyError(f"file {path.name!r}: obstacles need a robot to know where the arm is; name one under 'robot'")
     return OwnParts(
         problem=problem,
-        units=tuple(SI[unit][0] for unit in units),
+        units=units,
         curve=file.curve or usual_curve(problem),
         title=file.title or f"{plural(problem.n_joints, 'joint')} through {problem.n_waypoints} waypoints",
         robot=robot,
@@ -134,11 +146,8 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
         arm_radius=file.arm_radius,
         self_collision=file.self_collision,
         notes=tuple(file.notes),
-        sources={
-            "waypoints": str(file.waypoints) if rows else path.name,
-            "limits": ", ".join(limit_files) or path.name,
-        },
-        warnings=tuple(warnings),
+        sources=sources,
+        warnings=warnings,
     )
 
 

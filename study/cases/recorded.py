@@ -38,12 +38,7 @@ def limits_alone(samples: Samples, files: Sequence[Path], units: str | None, whe
     StudyError
         If a file cannot be read, or a joint of the samples has no limits in any of them.
     """
-    read: dict[str, OneJoint] = {}
-    warnings: list[str] = []
-    for file in files:
-        limits = read_limits(file)
-        warnings += limits.notes
-        read |= {name: joint.over(read.get(name, OneJoint())) for name, joint in limits.joints.items()}
+    read, warnings = _merged_limits(files)
     width = samples.positions.shape[1]
     names = [name for name in samples.names if name in read] or (list(read) if len(read) == width else [])
     if not names:
@@ -76,6 +71,17 @@ def limits_alone(samples: Samples, files: Sequence[Path], units: str | None, whe
         notes=(),
         warnings=tuple(warnings),
     )
+
+
+def _merged_limits(files: Sequence[Path]) -> tuple[dict[str, OneJoint], list[str]]:
+    """Limits of every joint that a file knows, later files winning, and what the files say besides."""
+    read: dict[str, OneJoint] = {}
+    notes: list[str] = []
+    for file in files:
+        limits = read_limits(file)
+        notes += limits.notes
+        read |= {name: joint.over(read.get(name, OneJoint())) for name, joint in limits.joints.items()}
+    return read, notes
 
 
 def _column(known: Sequence[OneJoint], name: str) -> Floats:
