@@ -135,6 +135,7 @@ class Variant(Strict):
 
     reason: str
     title: str
+    robot: str | None = None
     units: list[Unit] | None = None
     waypoints: dict[str, Any] | None = None
     limits: dict[str, Any] | None = None

@@ -12,6 +12,8 @@ class RuleKind(Choice):
 
     USED = "used"
     MISSING = "missing"
+    CONSISTENT = "consistent"
+    CONTRADICTS = "contradicts"
     SAME = "same"
     SUM = "sum"
     DIFFERENCE = "difference"
@@ -30,7 +32,7 @@ class Rule:
         Printed numbers that it takes: ids of claims, or cells as `Table 5 / row / column`, several columns of a row
         joined by ` + `.
     why : str
-        A sentence for inputs and gaps.
+        A sentence for inputs, gaps, and what no calculation decides.
     """
 
     kind: RuleKind

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
 from pydantic import Field
 
 from study.cases.print_rules import Rule, RuleText, rule_of
+from study.cases.printed import Cell, Table, parsed
 from study.datafiles import Strict, checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
 
@@ -20,76 +18,6 @@ Quantity = Literal[
     "mean", "std", "min", "max", "best", "value", "run time", "duration", "total", "parameter", "waypoint", "position",
     "pose", "limit", "range", "dimension", "optimum", "iterations", "p-value", "rank", "reduction",
 ]  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Cell:
-    """One printed cell.
-
-    Attributes
-    ----------
-    row, column : str
-    quantity : str
-        What the number is, such as `mean` or `duration`.
-    printed : str
-        As in the paper, powers of ten written as `x 10^n`.
-    value : float, optional
-        The number, where the print is one.
-    """
-
-    row: str
-    column: str
-    quantity: str
-    printed: str
-    value: float | None
-
-
-@dataclass(frozen=True)
-class Table:
-    """One printed table.
-
-    Attributes
-    ----------
-    number : str
-        Such as `Table 3`.
-    about : str
-    unit : str
-    columns : tuple of str
-    cells : tuple of Cell
-        Row by row.
-    rules : mapping of str to Rule
-        Rules of the print, by `row / column`, by column or its last word, by row, or by `*`.
-    """
-
-    number: str
-    about: str
-    unit: str
-    columns: tuple[str, ...]
-    cells: tuple[Cell, ...]
-    rules: Mapping[str, Rule] = field(default_factory=dict)
-
-    def __getitem__(self, place: tuple[str, str]) -> Cell:
-        """Cell at (row, column)."""
-        for cell in self.cells:
-            if (cell.row, cell.column) == place:
-                return cell
-        raise unknown(f"cell of {self.number}", " / ".join(place), [f"{c.row} / {c.column}" for c in self.cells])
-
-    def row(self, row: str, columns: Sequence[str]) -> list[Cell]:
-        """Cells of a row."""
-        return [self[row, column] for column in columns]
-
-    def value(self, row: str, column: str) -> float:
-        """Return the number at (row, column), or say that the cell is not one."""
-        cell = self[row, column]
-        if cell.value is None:
-            raise StudyError(f"{self.number}, {row} / {column}: {cell.printed!r} is not a number")
-        return cell.value
-
-    def rule(self, cell: Cell) -> Rule | None:
-        """Rule of a cell that the print alone decides; None if it takes more."""
-        places = (f"{cell.row} / {cell.column}", cell.column, cell.row, cell.column.split(" ")[-1], "*")
-        return next((self.rules[place] for place in places if place in self.rules), None)
 
 
 @dataclass(frozen=True)
@@ -132,11 +60,29 @@ class Statement:
     id : str
     place : str
     about : str
+    rule : Rule, optional
+        If the print alone decides.
     """
 
     id: str
     place: str
     about: str
+    rule: Rule | None
+
+
+@dataclass(frozen=True)
+class MainClaim:
+    """One of the claims that a paper itself puts first, in our words.
+
+    Attributes
+    ----------
+    claim : str
+    decided : tuple of str
+        Claims and statements whose verdicts decide it, `id` or `id / by runs`.
+    """
+
+    claim: str
+    decided: tuple[str, ...]
 
 
 class _TableFile(Strict):
@@ -163,6 +109,12 @@ class _StatementFile(Strict):
     id: str
     place: str
     about: str
+    rule: RuleText | None = None
+
+
+class _MainFile(Strict):
+    claim: str
+    decided: list[str] = Field(min_length=1)
 
 
 class _PaperFile(Strict):
@@ -174,6 +126,7 @@ class _PaperFile(Strict):
     tables: list[_TableFile]
     claims: list[_ClaimFile]
     statements: list[_StatementFile]
+    main: list[_MainFile]
 
 
 def papers() -> dict[str, str]:
@@ -215,23 +168,21 @@ def statements(paper: str) -> tuple[Statement, ...]:
     StudyError
         If there is no such paper, or its file is broken.
     """
-    return tuple(Statement(**statement.model_dump()) for statement in _paper(paper).statements)
+    return tuple(
+        Statement(statement.id, statement.place, statement.about, rule_of(statement.rule))
+        for statement in _paper(paper).statements
+    )
 
 
-def parsed(printed: str) -> float | None:
-    """Turn a printed number, its unit left off, into a float: plain, with a power of ten, or a multiple of pi.
+def main_claims(paper: str) -> tuple[MainClaim, ...]:
+    """Read the claims that a paper puts first, in its order.
 
-    None for anything else.
+    Raises
+    ------
+    StudyError
+        If there is no such paper, or its file is broken.
     """
-    text = re.sub(r"(?<=\d)(m|mm|rad|deg|s|%)$", "", printed.replace("−", "-").replace(" ", ""))
-    if power := re.fullmatch(r"(-?\d+\.?\d*)x10\^(-?\d+)", text):
-        return float(f"{power[1]}e{power[2]}")
-    if turn := re.fullmatch(r"(-?)(\d*)\*?pi(?:/(\d+))?", text):
-        return float(f"{turn[1]}1") * float(turn[2] or 1) * np.pi / float(turn[3] or 1)
-    try:
-        return float(text)
-    except ValueError:
-        return None
+    return tuple(MainClaim(claim.claim, tuple(claim.decided)) for claim in _paper(paper).main)
 
 
 def _files() -> list[Path]:

@@ -21,11 +21,12 @@ from study.reproduction.book import PAPERS, SHORT, Entry, entries_of, jobs_of, p
 from study.reproduction.effort import FULL, QUICK, Effort
 from study.reproduction.jobs import Runs
 from study.reproduction.page import write_index, write_paper
-from study.reproduction.verdicts import CLAIM, Outcome
+from study.reproduction.tally import line
+from study.reproduction.verdicts import CLAIM
 from study.runs.environment import environment
 from study.store.store import Store
 
-COMMITTED = ("paper", "place", "row", "column", "printed", "verdict")
+COMMITTED = ("paper", "place", "row", "column", "printed", "verdict", "rests on")
 Key = tuple[str, str, str, str]
 
 
@@ -60,7 +61,7 @@ def reproduce(
     with console.status("writing the pages"):
         for paper, printed in entries.items():
             write_paper(paper, printed, runs, effort, pages, facts)
-        index = write_index(entries, effort, pages, facts)
+        index = write_index(effort, pages, facts)
     console.print(f"pages: {index}", f"{time.perf_counter() - begun:.0f} s", sep="\n", soft_wrap=True)
     return entries
 
@@ -78,7 +79,7 @@ def key_of(entry: Entry) -> Key:
 
 def write_committed(entries: Sequence[Entry], path: Path) -> None:
     """Write the table of verdicts, one line for each printed number."""
-    rows = ([*key_of(entry), entry.printed, entry.ruling.outcome.value] for entry in entries)
+    rows = ([*key_of(entry), entry.printed, entry.ruling.outcome, entry.ruling.basis] for entry in entries)
     write_file(path, csv_text([COMMITTED, *rows]))
 
 
@@ -112,12 +113,6 @@ def changes(entries: Sequence[Entry], committed: dict[Key, str]) -> list[str]:
     return lines
 
 
-def tally(entries: Sequence[Entry]) -> str:
-    """Count verdicts in one line."""
-    outcomes = [entry.ruling.outcome for entry in entries]
-    return ", ".join(f"{outcomes.count(outcome)} {outcome.value}" for outcome in Outcome if outcome in outcomes)
-
-
 def reproduce_command(
     paper: Annotated[
         str | None, typer.Argument(metavar="PAPER", help="woodworking, aubo, smwoa, sparrow, puma or a paper's key.")
@@ -146,7 +141,7 @@ def reproduce_command(
     papers = list(PAPERS) if paper is None else [paper_named(paper)]
     reproduced = reproduce(papers, QUICK if quick else FULL, out, Workers.of(jobs, fresh, memory, dask), console)
     for name, entries in reproduced.items():
-        console.print(f"{name}: {tally(entries)}", soft_wrap=True)
+        console.print(f"{name}: {line(entries)}", soft_wrap=True)
     flat = [entry for entries in reproduced.values() for entry in entries]
     if commit:
         write_committed(flat, committed_path())

@@ -142,13 +142,34 @@ def random_world(rng: np.random.Generator, n_obstacles: int = 10, side: float = 
     ----------
     PUMA560 paper, Section 3.1.
     """
+    corner = np.full(3, side)
+    return boxes_between(rng, (np.zeros(3), corner), (np.zeros(3), corner), n_obstacles)
+
+
+def boxes_between(
+    rng: np.random.Generator, space: tuple[Floats, Floats], ends: tuple[Floats, Floats], n_obstacles: int
+) -> World:
+    """Random boxes of varying size in a space, every other one on the straight segment between two ends that stay free.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    space : tuple of two arrays of shape (3,)
+        Lower and upper corner.
+    ends : tuple of two arrays of shape (3,)
+    n_obstacles : int
+    """
+    lower, upper = (np.asarray(corner, dtype=float) for corner in space)
+    start, goal = (np.asarray(end, dtype=float) for end in ends)
+    span = upper - lower
     boxes: list[Floats] = []
     while len(boxes) < n_obstacles:
-        size = rng.uniform(0.1, 0.3, 3) * side
-        centre = rng.uniform(0.15, 0.85) if len(boxes) % 2 == 0 else rng.uniform(size=3)
-        corner = np.clip(centre * side - size / 2, 0.0, side - size)
+        size = rng.uniform(0.1, 0.3, 3) * span
+        on_way = start + rng.uniform(0.15, 0.85) * (goal - start)
+        centre = on_way if len(boxes) % 2 == 0 else lower + rng.uniform(size=3) * span
+        corner = np.clip(centre - size / 2, lower, upper - size)
         box = np.stack([corner, corner + size])
-        distances = [np.linalg.norm(np.clip(p, box[0], box[1]) - p) for p in (np.zeros(3), np.full(3, side))]
-        if min(distances) > 0.1 * side:
+        distances = [np.linalg.norm(np.clip(end, box[0], box[1]) - end) for end in (start, goal)]
+        if min(distances) > 0.1 * span.max():
             boxes.append(box)
-    return World(np.zeros(3), np.full(3, side), np.array(boxes).reshape(-1, 2, 3))
+    return World(lower, upper, np.array(boxes).reshape(-1, 2, 3))

@@ -24,4 +24,5 @@ _SEARCH = DynamicAdaptivePSO(
 DYNAMIC_ADAPTIVE_PSO = SegmentTimePlanner(
     _SEARCH, "particle swarm whose weights change with the generation, of the AUBO paper"
 )
-DYNAMIC_ADAPTIVE_PSO_AS_PRINTED = DYNAMIC_ADAPTIVE_PSO.as_printed()
+DYNAMIC_ADAPTIVE_PSO_START_MENDED = DYNAMIC_ADAPTIVE_PSO.as_printed()
+DYNAMIC_ADAPTIVE_PSO_AS_PRINTED = DYNAMIC_ADAPTIVE_PSO.as_printed(start_inside=False)

@@ -1,12 +1,12 @@
 """Pathfinding and timing pipeline of the PUMA560 paper, from boxes to a timed motion, with collision checks.
 
 A tree finds a path of the tool among boxes; four of its nodes become waypoints by inverse kinematics; chaotic PSO times
-the 3-5-3 curve through them. The paper checks the tree's segments only. Here the tool along the final curve, and
-the whole arm along it, are checked as well.
+the 3-5-3 curve through them. The paper checks the tree's segments only. Here the straight chords between the four nodes
+that are kept, and the tool along the final curve, are checked as well.
 
-The paper prints neither obstacles nor the placement of its cube, so both are ours: a cube of 0.35 m in front of and
-below the shoulder stands for the 1000-unit world, the tool points down, the elbow is up, and links are capsules of
-3 cm radius.
+Arm, start, goal and orientation are the paper's: Table 4 with the lengths of Table 1 runs from (100, 100, 10) mm to
+(100, -70, 10) mm with the tool's axes along the base's. The obstacles are not printed; ours are random boxes in a block of the
+arm's workspace that holds both ends.
 
 References
 ----------
@@ -15,51 +15,36 @@ PUMA560 paper, Sections 3.1, 3.4 and 4.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from study.errors import StudyError
 from study.pathfinding.rrt import RRT, four_waypoints, length, shortcut
-from study.pathfinding.world import World, arm_clearance, random_world
+from study.pathfinding.world import World, boxes_between
 from study.planners.puma import CHAOTIC_SPSO
 from study.planning import RunSettings
 from study.problem import EndCondition, Floats, JointLimits, Problem
 from study.robots import Robot, inverse, robot_named
 from study.trajectory import Motion
 
-ROBOT = "puma560"
+ROBOT = "puma560-table1"
 METHODS = ("rrt", "rrt with shortcuts", "rrt-connect with shortcuts")
 
 
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """Placement of the 1000-unit world in the arm's workspace; all of it ours.
+START, GOAL = np.array([0.1, 0.1, 0.01]), np.array([0.1, -0.07, 0.01])
+"""Ends of the paper's path in the arm's base frame, m: forward kinematics of Table 4."""
 
-    Attributes
-    ----------
-    corner : array of shape (3,), m
-        Position of the world's origin in the arm's base frame.
-    scale : float, m per unit
-    radius : float, m
-        Of the capsules around the links.
-    samples : int
-        Instants at which the final motion is checked.
-    """
+SPACE = np.array([0.05, -0.09, -0.05]), np.array([0.125, 0.12, 0.1])
+"""Corners of the block in which obstacles stand, m; ours, all of it within the arm's reach."""
 
-    corner: Floats = field(default_factory=lambda: np.array([0.25, -0.175, -0.5]))
-    scale: float = 0.35e-3
-    radius: float = 0.03
-    samples: int = 400
+OBSTACLES = 10
+STEP = 0.01
+"""Length of an extension of the tree, m; ours, about a twentieth of the block."""
 
-    def to_arm(self, points: Floats) -> Floats:
-        """Map world points of shape (..., 3) into the base frame, m."""
-        return self.corner + points * self.scale
-
-    def to_world(self, points: Floats) -> Floats:
-        """Map points of the base frame into the world."""
-        return (points - self.corner) / self.scale
+SAMPLES = 400
+"""Instants between which the tool's way along the final motion is checked as straight."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,31 +53,27 @@ class Attempt:
 
     Attributes
     ----------
-    path : array of shape (n_nodes, 3)
-        The tool's collision-free path, in world units.
-    path_length : float
-        In world units.
+    path : array of shape (n_nodes, 3), m
+        The tool's collision-free path.
+    path_length : float, m
     problem : Problem
         The four waypoints in joint space.
     motion : Motion
+    chord_clearance : float, m
+        Smallest distance of the straight chords between the four waypoints to an obstacle; 0 in collision.
     tool_clearance : float, m
-        Smallest distance of the tool point to an obstacle along the final motion; 0 in collision.
-    waypoint_clearance : float, m
-        Smallest distance of the whole arm to an obstacle at the four waypoints; negative in collision.
-    arm_clearance : float, m
-        The same along the final motion.
+        The same for the tool along the final motion.
     """
 
     path: Floats
     path_length: float
     problem: Problem
     motion: Motion
+    chord_clearance: float
     tool_clearance: float
-    waypoint_clearance: float
-    arm_clearance: float
 
 
-def attempt(method: str, seed: int, settings: RunSettings, scene: Scene | None = None) -> Attempt:
+def attempt(method: str, seed: int, settings: RunSettings) -> Attempt:
     """Find a path in a random world, time the motion through four of its nodes, and check the motion.
 
     Parameters
@@ -103,7 +84,6 @@ def attempt(method: str, seed: int, settings: RunSettings, scene: Scene | None =
         Of the world, the tree and the search.
     settings : RunSettings
         Budget and form of the search.
-    scene : Scene, optional
 
     Raises
     ------
@@ -112,34 +92,30 @@ def attempt(method: str, seed: int, settings: RunSettings, scene: Scene | None =
     """
     if method not in METHODS:
         raise StudyError(f"no pathfinding method {method!r}; known: {', '.join(METHODS)}")
-    scene = scene or Scene()
     robot = robot_named(ROBOT)
-    world = random_world(np.random.default_rng([seed, 0]))
+    world = boxes_between(np.random.default_rng([seed, 0]), SPACE, (START, GOAL), OBSTACLES)
     path = _path(method, world, np.random.default_rng([seed, 1]))
-    problem = _problem(robot, scene.to_arm(four_waypoints(path)))
+    nodes = four_waypoints(path)
+    problem = _problem(robot, nodes)
     plan = CHAOTIC_SPSO.plan(problem, settings)
     if plan.motion is None:
         raise StudyError(f"chaotic PSO found no motion for seed {seed}: {plan.message}")
-    times = np.linspace(0.0, plan.motion.duration, scene.samples)
-    links = scene.to_world(robot.frames(plan.motion(times))[:, :, :3, 3])
-    still = scene.to_world(robot.frames(problem.waypoints)[:, :, :3, 3])
-    radius = scene.radius / scene.scale
-    tool = links[:, -1]
+    times = np.linspace(0.0, plan.motion.duration, SAMPLES)
+    tool = robot.forward(plan.motion(times))[:, :3, 3]
     return Attempt(
         path=path,
         path_length=length(path),
         problem=problem,
         motion=plan.motion,
-        tool_clearance=float(world.clearance(tool[:-1], tool[1:]).min() * scene.scale),
-        waypoint_clearance=float(arm_clearance(world, still, radius).min() * scene.scale),
-        arm_clearance=float(arm_clearance(world, links, radius).min() * scene.scale),
+        chord_clearance=float(world.clearance(nodes[:-1], nodes[1:]).min()),
+        tool_clearance=float(world.clearance(tool[:-1], tool[1:]).min()),
     )
 
 
 def _path(method: str, world: World, rng: np.random.Generator) -> Floats:
-    tree = RRT()
+    tree = RRT(step=STEP)
     grow = tree.connect if method.startswith("rrt-connect") else tree.path
-    path = grow(world, world.lower, world.upper, rng)
+    path = grow(world, START, GOAL, rng)
     return path if method == "rrt" else _refined(shortcut(world, path, rng), tree.step)
 
 
@@ -154,7 +130,6 @@ def _refined(path: Floats, step: float) -> Floats:
 
 def _problem(robot: Robot, points: Floats) -> Problem:
     poses = np.broadcast_to(np.eye(4), (len(points), 4, 4)).copy()
-    poses[:, :3, :3] = np.diag([1.0, -1.0, -1.0])  # tool axis down
     poses[:, :3, 3] = points
     waypoints = _nearest_branches(robot, inverse(robot, poses))
     limits = JointLimits(np.full(robot.n_joints, np.pi))

@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from study.cases.published import Cell
+from study.cases.printed import Cell
 from study.reproduction import forensics
 from study.reproduction.forensics import Finding, Summary
 from study.reproduction.rules import digits, half_unit
@@ -33,7 +33,7 @@ def grain(function: Benchmark) -> float:
     """Smallest value above a least value of 0 that double precision shows; 0 where there is none above 1e-200.
 
     The function is evaluated ever nearer to its minimiser, with all coordinates moved and with one alone, down to the
-    neighbouring doubles. What is found is an upper estimate, so the checks allow for a tenth of it.
+    neighbouring doubles. What is gathered is an upper estimate, so the checks allow for a tenth of it.
     """
     if function.minimiser is None or function.minimum != 0.0:
         return 0.0
@@ -70,7 +70,7 @@ def examine(cells: Statistics, runs: int, function: Benchmark) -> dict[str, Find
         In its stated reading.
     """
     summary = _summary(cells, runs)
-    found: dict[str, Finding] = {}
+    gathered: dict[str, Finding] = {}
     checks: list[tuple[str, Finding | None]] = [
         ("mean", forensics.mean_outside_extremes(summary)),
         ("mean", forensics.mean_too_near_extreme(summary)),
@@ -87,8 +87,8 @@ def examine(cells: Statistics, runs: int, function: Benchmark) -> dict[str, Find
         checks.append(("mean", forensics.above_largest(summary, top)))
     for role, finding in checks:
         if finding is not None:
-            found.setdefault(role, finding)
-    return found
+            gathered.setdefault(role, finding)
+    return gathered
 
 
 def _against_least(

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from study.planning import Meter
-from study.problem import Floats
+from study.reproduction.convergence import arrived_at, settled
 from study.reproduction.jobs import Record, RecordJob
 from study.search.loop import minimise
 from study.search.state import Box, Search
@@ -22,8 +22,6 @@ RENAMED = ("velocity=VelocityUpdate(", "flight=Flight(")
 """Text of a search, now and when the committed verdicts were made; as without enumerations, the stream stays the same."""
 
 WITHOUT_FLOOR = "without floor"
-SETTLED = 1e-3
-"""A run has converged at the first generation within this share of the way from its first to its last value."""
 
 
 @dataclass(frozen=True)
@@ -80,34 +78,26 @@ class BenchmarkJob(RecordJob):
         box = Box(function.lower, function.upper)
         if self.start is not None:
             box = Box(*(np.full(function.n_dimensions, side * self.start) for side in (-1.0, 1.0)))
-        finals, settled, seconds, curves = [], [], [], []
+        finals, seconds, curves = [], [], []
         for seed in range(self.seeds):
             rng = np.random.default_rng([seed, self._stream()])
             meter = Meter(function.objective(rng), self.population * self.generations)
             begun = time.perf_counter()
             minimise(self.search, meter, box, self.population, rng)
             seconds.append(time.perf_counter() - begun)
-            curve = meter.history[:, 1]
             finals.append(meter.incumbent_value)
-            settled.append(settled_at(curve))
-            curves.append(curve[thinned(len(curve))])
+            curves.append(meter.history[:, 1])
         shown = thinned(self.generations)
         return {
             "finals": finals,
-            "settled": settled,
+            "settled": settled(curves),
+            "arrived": [arrived_at(curve) for curve in curves],
             "seconds": seconds,
             "generations": (shown + 1).tolist(),
-            "curve": np.median(curves, axis=0).tolist(),
+            "curve": np.median(curves, axis=0)[shown].tolist(),
         }
 
 
 def thinned(length: int) -> np.ndarray:
     """Indices of at most `POINTS` generations, denser at the start, the last one among them."""
     return np.unique(np.round(np.geomspace(1, length, POINTS)).astype(int)) - 1
-
-
-def settled_at(curve: Floats) -> int:
-    """Generation, counted from 1, from which the best value stays within `SETTLED` of its whole descent of the last one."""
-    finite = np.where(np.isfinite(curve), curve, np.finfo(float).max)
-    level = finite[-1] + SETTLED * (finite[0] - finite[-1])
-    return int(np.argmax(finite <= level)) + 1

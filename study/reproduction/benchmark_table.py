@@ -7,25 +7,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from study.cases.published import Cell, Table, tables
+from study.cases.printed import Cell, Table
+from study.cases.published import tables
 from study.reproduction import arithmetic, rules
 from study.reproduction.benchmark_runs import BenchmarkJob
 from study.reproduction.effort import Effort
+from study.reproduction.forensics import Finding
 from study.reproduction.jobs import Record, Runs
 from study.reproduction.readings import FORMS, READINGS, SHAPES, STARTS, Reading
-from study.reproduction.verdicts import Outcome, Place, Ruling, Rulings, missing, strongest
+from study.reproduction.sampling import Statistic
+from study.reproduction.verdicts import Basis, Outcome, Place, Ruling, Rulings, missing, strongest
 from study.testfunctions import benchmarks_of
 
 ROLES = {
-    "Mean": "mean",
-    "Avg": "mean",
-    "mean": "mean",
-    "Std": "std",
-    "std": "std",
-    "Best": "best",
-    "min": "best",
-    "max": "worst",
-}
+    "Mean": Statistic.MEAN, "Avg": Statistic.MEAN, "mean": Statistic.MEAN, "Std": Statistic.STD, "std": Statistic.STD,
+    "Best": Statistic.BEST, "min": Statistic.BEST, "max": Statistic.WORST,
+}  # fmt: skip
 """What the papers' row heads stand for."""
 
 RUNS = 30
@@ -68,18 +65,18 @@ class BenchmarkTable:
 
     def readings(self, column: str) -> tuple[Reading, ...]:
         """Readings of a column, the stated one first."""
-        found = READINGS[self.paper][column]
-        return found if self.effort.all_readings else found[:1]
+        gathered = READINGS[self.paper][column]
+        return gathered if self.effort.all_readings else gathered[:1]
 
     def variants(self, function: str, column: str) -> Iterator[tuple[str, BenchmarkJob]]:
         """All that is run for a function and a column: name and job, the stated reading first."""
+        stated = self.readings(column)[0]
         for reading in self.readings(column):
             yield reading.name, self.cell(function, column, reading)
+        if self.effort.all_readings and (self.paper, function, column) in STARTS:
+            yield f"{stated.name}, started in the box", replace(self.cell(function, column, stated), start=None)
         for form in self._other_forms(function):
-            yield (
-                f"{self.readings(column)[0].name}, function {form}",
-                self.cell(function, column, self.readings(column)[0], form),
-            )
+            yield f"{stated.name}, function {form}", self.cell(function, column, stated, form)
 
     def _other_forms(self, function: str) -> list[str]:
         """Readings of a function beside the stated one that differ from it and have a least value."""
@@ -112,11 +109,11 @@ class BenchmarkTable:
 
     def rulings(self) -> Rulings:
         """Rule on every cell of every function, and on the least values that Table 2 prints."""
-        found = self._optima()
+        gathered = self._optima()
         for function in self.functions:
             for column in self.table.columns:
-                found |= self._column(function, column)
-        return found
+                gathered |= self._column(function, column)
+        return gathered
 
     def _optima(self) -> Rulings:
         """Compare printed optimal values with the least values of the formulas as printed."""
@@ -124,60 +121,91 @@ class BenchmarkTable:
         if column not in table.columns:
             return {}
         least = {function.label: function.minimum for function in benchmarks_of(self.paper, "as-printed")}
-        found: Rulings = {}
+        gathered: Rulings = {}
         for cell in (cell for cell in table.cells if cell.column == column):
             value = least[cell.row.split(",")[0]]
-            ruling = rules.contradicts("the printed formula has poles and no least value")
+            ruling = rules.contradicts("the printed formula has poles and no least value", basis=Basis.FORMULA)
             if value is not None:
                 why = f"the formula as printed has its least value at {value:.6g}"
-                ruling = rules.exact(cell.printed, value, Outcome.CONTRADICTS, why)
-            found[Place(table.number, cell.row, column)] = ruling
-        return found
+                ruling = rules.exact(cell.printed, value, Basis.FORMULA, why)
+            gathered[Place(table.number, cell.row, column)] = ruling
+        return gathered
 
     def _column(self, function: str, column: str) -> Rulings:
-        cells = {
-            c.row.split(", ")[1]: c
-            for c in self.table.cells
-            if c.column == column and c.row.startswith(f"{function}, ")
-        }
-        by_role = {ROLES[head]: cell for head, cell in cells.items() if head in ROLES}
+        cells = self._cells(function, column)
+        by_role = {ROLES[head].value: cell for head, cell in cells.items() if head in ROLES}
         (name, job), *others = self.variants(function, column)
         findings = arithmetic.examine(arithmetic.Statistics(**by_role), RUNS, job.benchmark)
-        record = self.runs[job]
+        basis = Basis.FITTED if self.readings(column)[0].fitted else Basis.RUNS
         rulings: Rulings = {}
         for head, cell in cells.items():
-            role = ROLES.get(head)
-            if role is None:
-                ruling = _other_row(head, cell, cells, record)
+            if head not in ROLES:
+                ruling = _other_row(head, cell, cells, self.runs[job])
             else:
-                broken = findings.get(role)
-                compared = self._compared(cell, role, job, record)
-                side = {other: rules.number(statistic(self.runs[j]["finals"], role)) for other, j in others}
-                denied = None if broken is None else rules.impossible(broken.inequality)
-                ruling = strongest(denied, replace(compared, others=side))
+                side = {other: rules.alike(cell.printed, ROLES[head].of(self.runs[j]["finals"])) for other, j in others}
+                compared = replace(self._compared(cell, ROLES[head], job), others=side, basis=basis)
+                ruling = strongest(_denied(findings.get(ROLES[head].value)), compared)
             rulings[Place("Table 3", cell.row, column)] = replace(ruling, reading=name)
         return rulings
 
-    def _compared(self, cell: Cell, role: str, job: BenchmarkJob, record: Record) -> Ruling:
+    def _cells(self, function: str, column: str) -> dict[str, Cell]:
+        """Cells of one function and column by their row heads."""
+        own = [cell for cell in self.table.cells if cell.column == column and cell.row.startswith(f"{function}, ")]
+        return {cell.row.split(", ")[1]: cell for cell in own}
+
+    def _compared(self, cell: Cell, role: Statistic, job: BenchmarkJob) -> Ruling:
         function = job.benchmark
-        least = 0.0 if role == "std" or function.minimum is None else function.minimum
-        return rules.stochastic(cell.printed, statistic(record["finals"], role), least, arithmetic.grain(function))
+        least = 0.0 if role is Statistic.STD or function.minimum is None else function.minimum
+        finals = self.runs[job]["finals"]
+        return rules.stochastic(cell.printed, finals, role, RUNS, least, arithmetic.grain(function))
+
+    def tallies(self) -> list[Tally]:
+        """Agreement of every reading of every column with the printed cells."""
+        return [self._tally(column, reading) for column in self.table.columns for reading in self.readings(column)]
+
+    def _tally(self, column: str, reading: Reading) -> Tally:
+        outcomes = [
+            self._compared(cell, ROLES[head], self.cell(function, column, reading)).outcome
+            for function in self.functions
+            for head, cell in self._cells(function, column).items()
+            if head in ROLES
+        ]
+        counts = (outcomes.count(Outcome.REPRODUCED), outcomes.count(Outcome.SAME_ORDER), len(outcomes))
+        return Tally(column, reading, *counts)
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Agreement of one reading with one column.
+
+    Attributes
+    ----------
+    column : str
+    reading : Reading
+    reproduced, same_order, cells : int
+    """
+
+    column: str
+    reading: Reading
+    reproduced: int
+    same_order: int
+    cells: int
+
+
+def _denied(finding: Finding | None) -> Ruling | None:
+    """Rule that arithmetic, or the box that another table prints, forbids a cell."""
+    if finding is None:
+        return None
+    if finding.check == "above largest":
+        return rules.contradicts(f"inside the box of Table 2 this cannot be: {finding.inequality}")
+    return rules.impossible(finding.inequality)
 
 
 def _other_row(head: str, cell: Cell, cells: dict[str, Cell], record: Record) -> Ruling:
-    """Rule on PUMA's rows `value` and `time`."""
+    """Rule on the rows `value` and `time` of the PUMA560 paper."""
     if head == "time":
         return missing("a wall time: neither processor nor code is given", f"{np.median(record['seconds']):.3g} s")
     broken = arithmetic.outside_extremes(cell, cells)
     if broken is not None:
         return rules.impossible(broken.inequality)
-    return missing("which of the 30 runs this value is of is not said", rules.number(record["finals"][0]))
-
-
-def statistic(finals: list[float], role: str) -> float:
-    """Mean, sample standard deviation, least or greatest of the runs' final values."""
-    values = np.array(finals)
-    with np.errstate(over="ignore", under="ignore"):
-        if role == "std":
-            return float(values.std(ddof=1)) if len(values) > 1 else 0.0
-        return float(values.mean() if role == "mean" else values.min() if role == "best" else values.max())
+    return missing("which of the 30 runs this value is of is not said", rules.alike(cell.printed, record["finals"][0]))

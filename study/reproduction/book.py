@@ -1,11 +1,11 @@
-"""The whole reproduction: what must be run for some papers, and every printed number with its ruling, in print order."""
+"""The whole reproduction: work for some papers, and every printed number with its ruling, in print order."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from study.cases.published import claims, statements, tables
+from study.cases.published import Claim, Statement, claims, statements, tables
 from study.errors import StudyError, unknown
 from study.reproduction.effort import Effort
 from study.reproduction.in_print import rulings_in_print
@@ -16,7 +16,7 @@ from study.reproduction.papers.puma import Puma
 from study.reproduction.papers.smwoa import Smwoa
 from study.reproduction.papers.sparrow import Sparrow
 from study.reproduction.papers.woodworking import Woodworking
-from study.reproduction.verdicts import CLAIM, Place, Ruling
+from study.reproduction.verdicts import BY_RUNS, IN_PRINT, Place, Ruling, claim
 
 PAPERS: dict[str, type[Paper]] = {paper.key: paper for paper in (Woodworking, Aubo, Smwoa, Sparrow, Puma)}
 
@@ -80,10 +80,12 @@ def entries_of(paper: str, runs: Runs, effort: Effort) -> tuple[Entry, ...]:
         If something has no ruling, or a ruling concerns nothing that is printed.
     """
     rulings = rulings_in_print(paper) | PAPERS[paper](effort, runs).rulings()
-    found = [*_cells(paper, rulings), *_claims(paper, rulings), *_statements(paper, rulings)]
-    if strange := set(rulings) - {entry.place for entry in found}:
+    for place in [place for place in rulings if place.column == BY_RUNS and claim(place.row) in rulings]:
+        rulings[claim(place.row, IN_PRINT)] = rulings.pop(claim(place.row))
+    gathered = [*_cells(paper, rulings), *_prose(paper, rulings)]
+    if strange := set(rulings) - {entry.place for entry in gathered}:
         raise StudyError(f"paper {paper!r}: ruled on {sorted(map(str, strange))[0]}, which is not printed")
-    return tuple(found)
+    return tuple(gathered)
 
 
 def _taken(paper: str, place: Place, rulings: Mapping[Place, Ruling]) -> Ruling:
@@ -99,13 +101,13 @@ def _cells(paper: str, rulings: Mapping[Place, Ruling]) -> Iterable[Entry]:
             yield Entry(paper, place, number, "", cell.quantity, cell.printed, _taken(paper, place, rulings))
 
 
-def _claims(paper: str, rulings: Mapping[Place, Ruling]) -> Iterable[Entry]:
-    for one in claims(paper).values():
-        place = Place(CLAIM, one.id)
-        yield Entry(paper, place, one.place, one.about, "claim", one.printed, _taken(paper, place, rulings))
-
-
-def _statements(paper: str, rulings: Mapping[Place, Ruling]) -> Iterable[Entry]:
-    for one in statements(paper):
-        place = Place(CLAIM, one.id)
-        yield Entry(paper, place, one.place, one.about, "statement", "", _taken(paper, place, rulings))
+def _prose(paper: str, rulings: Mapping[Place, Ruling]) -> Iterable[Entry]:
+    """Claims and statements; one that is ruled on in print and by runs is two entries."""
+    prose: list[Claim | Statement] = [*claims(paper).values(), *statements(paper)]
+    for stated in prose:
+        printed = stated.printed if isinstance(stated, Claim) else ""
+        kind = "claim" if printed else "statement"
+        columns = [column for column in (IN_PRINT, BY_RUNS) if claim(stated.id, column) in rulings] or [""]
+        for column in columns:
+            place = claim(stated.id, column)
+            yield Entry(paper, place, stated.place, stated.about, kind, printed, _taken(paper, place, rulings))

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.cases.library import Case
-from study.cases.published import Cell
+from study.cases.printed import Cell
 from study.problem import Floats
 from study.reproduction import rules
 from study.reproduction.forensics import wrong_sum
 from study.reproduction.motion_runs import Summary, judged
 from study.reproduction.rules import half_unit
-from study.reproduction.verdicts import Outcome, Ruling, strongest
+from study.reproduction.verdicts import Basis, Outcome, Ruling, strongest
 
 
 def size(cell: Cell) -> float:
@@ -33,12 +33,15 @@ class Row:
     case : Case
     joint : int, optional
         Counted from 0, where the row is of one joint.
+    inferred : bool
+        Whether the limits are ours, read off the paper's own durations.
     """
 
     segments: Sequence[Cell]
     total: Cell | None
     case: Case
     joint: int | None = None
+    inferred: bool = False
 
     @property
     def durations(self) -> Floats:
@@ -47,7 +50,7 @@ class Row:
 
 
 def rule(row: Row, ours: Summary | None, fastest: float, note: str = "") -> list[tuple[Cell, Ruling]]:
-    """Rule on every cell of a row.
+    """Rule on the total of a row; its segments carry no verdict of their own.
 
     Parameters
     ----------
@@ -59,27 +62,23 @@ def rule(row: Row, ours: Summary | None, fastest: float, note: str = "") -> list
     note : str
         Put behind the fastest motion.
     """
-    broken = infeasible(row, fastest)
-    text = f"{row.durations.sum():.4f}" if row.total is None else row.total.printed
-    remark = f"fastest on this curve {fastest:.4f} s{note}"
+    ruled = [(cell, _segment(ours, k)) for k, cell in enumerate(row.segments)]
+    if row.total is None:
+        return ruled
+    compared = ruling_of(row.total.printed, ours, f"fastest on this curve {fastest:.4f} s{note}")
+    return [*ruled, (row.total, strongest(added_up(row), infeasible(row, fastest), compared))]
+
+
+def ruling_of(text: str, ours: Summary | None, remark: str) -> Ruling:
+    """Compare a printed time with our runs."""
     if ours is None:
-        compared = Ruling(Outcome.WORSE, "no feasible run", "none of our runs keeps the limits", False)
-    else:
-        why = "; ".join(filter(None, (ours.text, remark)))
-        compared = rules.duration(text, ours.total, why, (ours.best, ours.totals[-1]))
-    found = []
-    for k, cell in enumerate(row.segments):
-        value = "" if ours is None else f"{ours.durations[k]:.4f} s"
-        found.append((cell, strongest(broken, _segment(compared, value))))
-    if row.total is not None:
-        found.append((row.total, strongest(added_up(row), broken, compared)))
-    return found
+        return Ruling(Outcome.WORSE, "no feasible run", f"none of our runs keeps the limits; {remark}", False)
+    return rules.duration(text, ours.totals, f"{ours.text}; {remark}")
 
 
-def _segment(compared: Ruling, value: str) -> Ruling:
-    return Ruling(
-        compared.outcome, value, "its row's verdict: a segment by itself is neither better nor worse", compared.agrees
-    )
+def _segment(ours: Summary | None, k: int) -> Ruling:
+    value = "" if ours is None else f"{ours.durations[k]:.4f} s"
+    return Ruling(Outcome.PART, value, basis=Basis.NOTHING)
 
 
 def added_up(row: Row) -> Ruling | None:
@@ -103,6 +102,10 @@ def infeasible(row: Row, fastest: float) -> Ruling | None:
     rounding = np.array([half_unit(cell.printed) for cell in row.segments])
     total = row.total.value if row.total is not None and row.total.value else float(row.durations.sum())
     room = total + (rounding.sum() if row.total is None else half_unit(row.total.printed))
-    if judged(row.case, row.durations + rounding, row.joint).feasible and room >= fastest:
+    longer = judged(row.case, row.durations + rounding, row.joint)
+    if longer.feasible and room >= fastest:
         return None
-    return Ruling(Outcome.INFEASIBLE, why=f"{verdict.reasons[0]}; fastest on this curve {fastest:.4f} s")
+    thin = f"; half a unit more in every duration keeps it ({longer.worst_ratio:.5f}), the total's own digits do not"
+    why = f"{verdict.reasons[0]}; fastest on this curve {fastest:.4f} s{thin if longer.feasible else ''}"
+    outcome = Outcome.EXCEEDS_INFERRED if row.inferred else Outcome.INFEASIBLE
+    return Ruling(outcome, why=why + ("; the limit is inferred by us" if row.inferred else ""), basis=Basis.FORMULA)

@@ -14,13 +14,16 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from study.report.plot_style import DASHES, GRID, INK, RC, SERIES, themed
+from study.report.plot_style import DASHES, GRID, INK, MUTED, RC, SERIES, themed
 from study.reproduction.paper import Panel
 from study.reproduction.uniformity import NUMBERS, chaos_numbers, chi_squares
 from study.search.chaos import N_BINS
 
 LEAST = 1e-300
-"""What a logarithmic axis shows of zero."""
+"""Height at which a logarithmic axis shows zero."""
+
+TALL = 2.5
+"""Multiple of the last values above which a median is not shown: it holds penalties of infeasible candidates."""
 
 
 def panels(key: str, shown: Sequence[Panel], columns: int, title: str) -> Markup:
@@ -31,7 +34,7 @@ def panels(key: str, shown: Sequence[Panel], columns: int, title: str) -> Markup
     key : str
         Prefix of the figure's ids.
     shown : sequence of Panel
-        All with the same labels.
+        All with the same labels; those on linear axes show printed values and the optimum as horizontal lines.
     columns : int
     title : str
     """
@@ -55,26 +58,40 @@ def _panel(axes: Axes, panel: Panel) -> None:
     axes.grid(True, color=GRID, linewidth=0.8)
     axes.tick_params(length=0)
     axes.set_title(panel.title, loc="left")
-    ends = []
-    for style, (generations, values) in enumerate(panel.lines.values()):
+    for style, (label, (generations, values)) in enumerate(panel.lines.items()):
         heights = np.maximum(values, LEAST) if panel.logarithmic else np.asarray(values)
-        axes.plot(
-            generations,
-            heights,
-            color=SERIES[style % len(SERIES)],
-            linestyle=DASHES[style % len(DASHES)],
-            linewidth=1.6,
-        )
-        ends.append(float(heights[-1]))
+        look = {"color": SERIES[style % len(SERIES)], "linestyle": DASHES[style % len(DASHES)]}
+        axes.plot(generations, heights, linewidth=1.6, **look)
+        if label in panel.marks:
+            axes.axhline(panel.marks[label], color=look["color"], linestyle=(0, (2, 3)), linewidth=1.1)
+    if panel.logarithmic:
+        _logarithmic(axes, panel)
+    else:
+        _linear(axes, panel)
+
+
+def _logarithmic(axes: Axes, panel: Panel) -> None:
+    """Scale both axes for values that span orders of magnitude."""
     axes.set_xscale("log")
     _plain_ticks(axes.xaxis)
-    if panel.logarithmic and all(np.min(values) > 0 or np.max(values) >= 0 for _, values in panel.lines.values()):
+    if all(np.min(values) > 0 or np.max(values) >= 0 for _, values in panel.lines.values()):
         axes.set_yscale("log")
         axes.yaxis.set_major_locator(LogLocator(numticks=6))
         _plain_ticks(axes.yaxis)
-    elif not panel.logarithmic:
-        low, high = min(ends), max(ends)
-        axes.set_ylim(low - 0.1 * (high - low) - 0.01 * low, high + max(0.6 * (high - low), 0.25 * low))
+
+
+def _linear(axes: Axes, panel: Panel) -> None:
+    """Scale as the papers do, so that the whole descent of feasible values shows, with the optimum as floor."""
+    ends = [float(values[-1]) for _, values in panel.lines.values()]
+    floor = min([*ends, *panel.marks.values(), *([] if panel.least is None else [panel.least])])
+    starts = [
+        float(next((v for v in values if v < TALL * max(ends)), values[-1])) for _, values in panel.lines.values()
+    ]
+    top = max([*starts, *ends, *panel.marks.values()])
+    if panel.least is not None:
+        axes.axhline(panel.least, color=MUTED, linewidth=1.1)
+    axes.set_ylim(floor - 0.08 * (top - floor) - 0.005 * floor, top + 0.08 * (top - floor) + 0.005 * floor)
+    axes.set_xlim(left=0)
 
 
 def _plain_ticks(axis: Axis) -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 from study.cases.print_rules import Rule, RuleKind
-from study.cases.published import Cell, Table, claims, tables
+from study.cases.printed import Cell, Table
+from study.cases.published import claims, statements, tables
 from study.errors import StudyError
 from study.reproduction import rules
-from study.reproduction.verdicts import Outcome, Place, Ruling, Rulings, claim, missing, used
+from study.reproduction.verdicts import Basis, Outcome, Place, Ruling, Rulings, claim, missing, used
 
 
 def rulings_in_print(paper: str) -> Rulings:
@@ -19,15 +20,20 @@ def rulings_in_print(paper: str) -> Rulings:
     paper : str
         Key of the paper.
     """
-    found: Rulings = {}
+    gathered: Rulings = {}
     for table in tables(paper).values():
         for cell in table.cells:
             if (rule := table.rule(cell)) is not None:
-                found[Place(table.number, cell.row, cell.column)] = _ruled(paper, cell, _completed(rule, table, cell))
+                gathered[Place(table.number, cell.row, cell.column)] = _ruled(
+                    paper, cell, _completed(rule, table, cell)
+                )
     for name, stated in claims(paper).items():
         if stated.rule is not None:
-            found[claim(name)] = _ruled(paper, stated.cell, stated.rule)
-    return found
+            gathered[claim(name)] = _ruled(paper, stated.cell, stated.rule)
+    for statement in statements(paper):
+        if statement.rule is not None:
+            gathered[claim(statement.id)] = _told(statement.rule)
+    return gathered
 
 
 def printed_value(paper: str, term: str) -> float:
@@ -54,14 +60,19 @@ def _completed(rule: Rule, table: Table, cell: Cell) -> Rule:
 
 
 def _ruled(paper: str, cell: Cell, rule: Rule) -> Ruling:
-    if rule.kind is RuleKind.USED:
-        return used(rule.why)
-    if rule.kind is RuleKind.MISSING:
-        return missing(rule.why)
-    values = [printed_value(paper, term) for term in rule.terms]
-    value, why = _computed(rule.kind, values)
-    ruling = rules.exact(cell.printed, value, Outcome.CONTRADICTS, why)
-    return Ruling(ruling.outcome, ruling.ours, why, ruling.agrees)
+    if not rule.terms:
+        return _told(rule)
+    value, why = _computed(rule.kind, [printed_value(paper, term) for term in rule.terms])
+    return rules.exact(cell.printed, value, Basis.PRINT, why)
+
+
+def _told(rule: Rule) -> Ruling:
+    """Ruling of a rule that takes no numbers."""
+    if rule.kind is RuleKind.CONSISTENT:
+        return Ruling(Outcome.CONSISTENT, why=rule.why, agrees=True, basis=Basis.PRINT)
+    if rule.kind is RuleKind.CONTRADICTS:
+        return rules.contradicts(rule.why)
+    return missing(rule.why) if rule.kind is RuleKind.MISSING else used(rule.why)
 
 
 def _computed(kind: RuleKind, values: list[float]) -> tuple[float, str]:

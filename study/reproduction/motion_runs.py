@@ -15,7 +15,8 @@ from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Plan, RunSettings, Synchronisation
 from study.problem import Floats, Problem
 from study.registry import planner_named
-from study.reproduction.benchmark_runs import settled_at, thinned
+from study.reproduction.benchmark_runs import thinned
+from study.reproduction.convergence import settled
 from study.reproduction.jobs import Record, RecordJob
 from study.search.state import Search
 from study.trajectory import Motion
@@ -76,7 +77,7 @@ class MotionJob(RecordJob):
         return {
             "durations": [_durations(plan).tolist() for plan in plans],
             "finals": histories[:, -1].tolist(),
-            "settled": [_settled(history, problem) for history in histories],
+            "settled": _settled(histories, problem),
             "generations": (shown + 1).tolist(),
             "curve": np.median(histories, axis=0)[shown].tolist(),
         }
@@ -139,14 +140,11 @@ def _durations(plan: Plan) -> Floats:
     return plan.durations
 
 
-def _settled(history: Floats, problem: Problem) -> int:
-    """Generation of convergence, counted from the first feasible candidate's descent on."""
-    ceiling = problem.n_segments * problem.duration_bounds[1]
-    feasible = history <= ceiling
-    if not feasible.any():
-        return len(history)
-    first = int(feasible.argmax())
-    return first + settled_at(history[first:])
+def _settled(histories: Floats, problem: Problem) -> dict[str, list[int]]:
+    """Generations of convergence; the descent begins with the first feasible candidate, or never."""
+    feasible = histories <= problem.n_segments * problem.duration_bounds[1]
+    first = [int(row.argmax()) if row.any() else len(row) - 1 for row in feasible]
+    return settled([history[start:] for history, start in zip(histories, first, strict=True)], first)
 
 
 def motion_of(case: Case, durations: Floats, joint: int | None = None) -> Motion:

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Protocol
 
 import numpy as np
 
 from study.cases.library import load_case
-from study.cases.published import Claim, Table, claims, tables
+from study.cases.printed import Cell, Table
+from study.cases.published import Claim, claims, tables
 from study.problem import Floats
+from study.reproduction import convergence
 from study.reproduction.benchmark_table import BenchmarkTable
 from study.reproduction.effort import Effort
 from study.reproduction.jobs import Record, RecordJob, Runs
 from study.reproduction.motion_runs import MotionJob, OptimumJob, Summary, summarised, synchronised
-from study.reproduction.verdicts import Rulings
+from study.reproduction.sampling import compared, in_every
+from study.reproduction.verdicts import Basis, Outcome, Place, Ruling, Rulings
+
+JobOf = Callable[[int], RecordJob]
+"""Job of a joint."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +34,16 @@ class Panel:
     lines : mapping of a label to generations and values
     logarithmic : bool
         Whether values span orders of magnitude.
+    marks : mapping of a label to its printed value
+    least : float, optional
+        The optimum.
     """
 
     title: str
     lines: Mapping[str, tuple[Sequence[float], Sequence[float]]]
     logarithmic: bool = False
+    marks: Mapping[str, float] = field(default_factory=dict)
+    least: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,8 +127,52 @@ class PaperRuns:
         per_seed = np.array(records[0]["durations"]) if len(jobs) == 1 else synchronised(records)
         return summarised(load_case(case), per_seed, joint)
 
-    def drive(self, case: str, printed: Floats, label: str, ours: Summary | None) -> Drive:
-        """Printed, ours and fastest motion of all joints together."""
+    def drive(
+        self, case: str, printed: Floats, label: str, ours: Summary | None, before: Floats | None = None
+    ) -> Drive:
+        """Motion before, printed, ours and fastest, of all joints together."""
+        start = [] if before is None else [("before, as printed", before)]
         own = [] if ours is None else [(f"{label}, ours", ours.durations)]
         fastest = np.array(self.runs[OptimumJob(case)]["durations"])
-        return Drive(case, [("printed", printed), *own, ("fastest on this curve", fastest)])
+        return Drive(case, [*start, ("printed", printed), *own, ("fastest on this curve", fastest)])
+
+    def totals(self, ours: Summary | None) -> list[float]:
+        """Totals of our feasible runs, s; none where no run is feasible."""
+        return [] if ours is None else list(ours.totals)
+
+    def told(self, summaries: Mapping[str, Summary | None]) -> dict[str, str]:
+        """Medians under other readings as text."""
+        return {name: "no feasible run" if one is None else f"{one.total:.4f} s" for name, one in summaries.items()}
+
+    def placed(self, table: str, ruled: Sequence[tuple[Cell, Ruling]], others: Mapping[str, str]) -> Rulings:
+        """Place the rulings of a row of durations, other readings beside its total."""
+        return {
+            Place(table, cell.row, cell.column): replace(
+                ruling, others=others if ruling.outcome is not Outcome.PART else {}
+            )
+            for cell, ruling in ruled
+        }
+
+    def fitted(self, ruling: Ruling) -> Ruling:
+        """Say of a ruling by runs that its constants were chosen on the paper's own table."""
+        return replace(ruling, basis=Basis.FITTED)
+
+    def steps(self, records: Sequence[Record]) -> str:
+        """Slowest of our medians until convergence at the four shares of the descent, as text."""
+        return " / ".join(f"{steps:g}" for steps in convergence.slowest(records).values())
+
+    def everywhere(self, first: JobOf, second: JobOf, subjects: Sequence[int]) -> Ruling:
+        """Rule on the statement that one search converges before another on every joint, at every share of the descent.
+
+        The share at which the statement holds most often decides; all of them are shown.
+        """
+        won: dict[str, Ruling] = {}
+        for level in convergence.LEVELS:
+            tests = {
+                f"joint {j + 1}": compared(*(self.runs[job(j)]["settled"][level] for job in (first, second)))
+                for j in subjects
+            }
+            won[level] = in_every(tests)
+        best = max(won, key=lambda level: int(won[level].ours.split(" ")[0]))
+        text = "; ".join(f"{ruling.ours.removesuffix(' comparisons')} at {level}" for level, ruling in won.items())
+        return replace(won[best], ours=text, why=f"at {best} of the descent: {won[best].why}")

@@ -53,7 +53,7 @@ class PathJob(RecordJob):
 
     def run(self) -> Record:
         """Clearances, durations and path lengths, world by world; a world without a motion counts as failed."""
-        found: Record = {"tool": [], "waypoints": [], "arm": [], "duration": [], "length": [], "failed": []}
+        found: Record = {"tool": [], "chords": [], "duration": [], "length": [], "failed": []}
         for seed in range(self.first, self.first + self.count):
             settings = RunSettings(
                 "poly353",
@@ -68,8 +68,7 @@ class PathJob(RecordJob):
                 found["failed"].append(f"world {seed}: {error}")
                 continue
             found["tool"].append(tried.tool_clearance)
-            found["waypoints"].append(tried.waypoint_clearance)
-            found["arm"].append(tried.arm_clearance)
+            found["chords"].append(tried.chord_clearance)
             found["duration"].append(tried.motion.duration)
             found["length"].append(tried.path_length)
         return found

@@ -38,8 +38,9 @@ class DynamicAdaptivePSO(Swarm):
     velocity : VelocityUpdate
         Velocities within [-4, 4] (Section 4.3), twice the width of the paper's box; the bounds rule is ours.
     reading : PaperReading
-        `standard`: w falls, c1 falls from c_max to c_min, positions start inside the box. `as-printed`: w grows, c1
-        stays next to c_min, positions start one width above the box.
+        `standard`: w falls, c1 falls from c_max to c_min. `as-printed`: w grows, c1 stays next to c_min.
+    start_inside : bool
+        Positions start inside the box; Eq. (15) to the letter puts all of them one width above it.
 
     Raises
     ------
@@ -52,6 +53,7 @@ class DynamicAdaptivePSO(Swarm):
     one_number: bool = True
     velocity: VelocityUpdate = VELOCITY
     reading: PaperReading = PaperReading.STANDARD
+    start_inside: bool = True
 
     def __post_init__(self) -> None:
         convert(self, reading=PaperReading)
@@ -60,7 +62,7 @@ class DynamicAdaptivePSO(Swarm):
         """Start as in Eq. (15), with velocities in [0, 1)."""
         dimensions = len(box.lower)
         fractions = rng.random((population, 1 if self.one_number else dimensions))
-        start = box.upper if self.reading is PaperReading.AS_PRINTED else box.lower
+        start = box.lower if self.start_inside else box.upper
         positions = start + fractions * box.width  # eq. (15)
         return new_swarm(box, positions, rng.random((population, dimensions)), generations)
 

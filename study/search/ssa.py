@@ -52,6 +52,8 @@ class SSA:
         Eq. (18), and takes the adaptive factors as they are: steps of one sign. `standard` follows Xue and Shen and
         multiplies the adaptive factors by the random numbers that they replace.
     start : Start
+    rescaled : bool
+        Stretch every sparrow's tent sequence to fill the box, one way to read x_min and x_max in Eq. (17).
     adaptive_beta, adaptive_k : bool
         Eq. (18) for beta and Eq. (19) for K; otherwise a normal number per dimension and a uniform number in [-1, 1].
     beta_limits : tuple of two floats
@@ -75,6 +77,7 @@ class SSA:
 
     reading: PaperReading = PaperReading.STANDARD
     start: Start = Start.UNIFORM
+    rescaled: bool = False
     adaptive_beta: bool = False
     adaptive_k: bool = False
     beta_limits: tuple[float, float] = (0.0, 1.0)
@@ -93,7 +96,7 @@ class SSA:
         """Spread sparrows uniformly or by the tent map."""
         if self.start is Start.TENT:
             positions = chaotic_population(
-                map_named("perturbed-tent"), box, population, rng, along=Direction.DIMENSIONS
+                map_named("perturbed-tent"), box, population, rng, Direction.DIMENSIONS, self.rescaled
             )
         else:
             positions = uniform_population(box, population, rng)

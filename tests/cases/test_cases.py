@@ -35,6 +35,7 @@ VARIANTS = {
     "aubo-i5-datasheet",
     "aubo-i5-radians",
     "puma560-datasheet",
+    "puma560-toolbox",
     "ur5-bspline-rest",
     "ur5-helix-smooth",
     "woodworking-c668",

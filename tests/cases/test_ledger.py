@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from study.curves import curve_named
 from study.errors import StudyError
 from study.formulation import Scaled, stretch
 from study.judge import judge
+from study.reproduction.rules import half_unit
 from study.robots import robot_named
 
 WOOD, AUBO, SMWOA, SSA, PUMA = (
@@ -265,7 +268,74 @@ def test_puma_smallest_deviations() -> None:
 
 def test_puma_waypoints_leave_the_printed_ranges() -> None:
     waypoints = load_case("puma560").problem.waypoints
-    printed = robot_named("puma560-as-printed").range
+    printed = robot_named("puma560-table1").range
     assert (waypoints[:, 0] > printed[1, 0]).all()
     toolbox = robot_named("puma560").range
     assert (waypoints[:, [3, 4]] > toolbox[1, [3, 4]]).any(axis=0).all()
+
+
+def test_the_puma_papers_own_arm_starts_and_ends_at_round_points() -> None:
+    """Table 4 through Table 1's lengths; the printed sign of alpha1, or the Toolbox's lengths, give nothing round."""
+    waypoints = load_case("puma560").problem.waypoints
+    robot = robot_named("puma560-table1")
+    assert load_case("puma560").robot == robot.name
+    poses = robot.forward(waypoints)
+    np.testing.assert_allclose(1000 * poses[[0, 3], :3, 3], [[100, 100, 10], [100, -70, 10]], atol=0.005)
+    np.testing.assert_allclose(poses[:, :3, :3], np.broadcast_to(np.eye(3), (4, 3, 3)), atol=1e-4)
+    quoted("puma-dh", "(100.0, 100.0, 10.0)", "(100.0, -70.0, 10.0)")
+    turned = replace(robot, alpha=np.array([-np.pi / 2, *robot.alpha[1:]])).forward(waypoints)
+    assert np.abs(turned[:, :3, :3] - np.eye(3)).max() > 1.9
+    toolbox = 1000 * robot_named("puma560").forward(waypoints)[[0, 3], :3, 3]
+    assert np.abs(toolbox - np.round(toolbox, -1)).max() > 2
+    assert load_case("puma560-toolbox").robot == "puma560"
+
+
+def test_the_jacobian_of_the_sparrow_paper_has_a_plus_sign() -> None:
+    robot, rng = robot_named("ur5e-ssa"), np.random.default_rng(4)
+    a2, a3, d5 = robot.a[1], robot.a[2], robot.d[4]
+    for q in rng.uniform(-3, 3, (20, 6)):
+        frames = robot.frames(q[None])[0]
+        axes, origins = frames[:6, :3, 2], frames[:6, :3, 3]
+        jacobian = np.vstack([np.cross(axes, frames[-1, :3, 3] - origins).T, axes.T])
+        bracket = a2 * np.cos(q[1]) + a3 * np.cos(q[1] + q[2]) + d5 * np.sin(q[1:4].sum())
+        assert np.linalg.det(jacobian) == pytest.approx(a2 * a3 * np.sin(q[4]) * np.sin(q[2]) * bracket, rel=1e-9)
+    quoted("ssa-eq2-sign", "+ d5 s234")
+
+
+def test_theta4_of_the_sparrow_paper_is_misprinted_and_its_wrist_is_that_of_another_tool_frame() -> None:
+    robot, rng = robot_named("ur5e-ssa"), np.random.default_rng(5)
+    for q in rng.uniform(-3, 3, (20, 6)):
+        frame = robot.forward(q[None])[0]
+        n, o, a = -frame[:3, 1], -frame[:3, 2], frame[:3, 0]
+        (s1, s5, s6), (c1, c5, c6) = np.sin(q[[0, 4, 5]]), np.cos(q[[0, 4, 5]])
+        assert o[1] * c1 - o[0] * s1 == pytest.approx(c5, abs=1e-12)
+        assert np.exp(1j * q[5]) == pytest.approx(
+            np.exp(1j * np.arctan2((n[0] * s1 - n[1] * c1) / s5, (a[0] * s1 - a[1] * c1) / s5)), abs=1e-9
+        )
+        printed = np.arctan2(o[2] * s5 + c5 * (n[2] * c6 - a[2] * s6), a[2] * c6 + n[2] * s6) - q[1] - q[2]
+        mended = np.arctan2(o[2] * s5 + c5 * (a[2] * c6 + n[2] * s6), a[2] * s6 - n[2] * c6) - q[1] - q[2]
+        assert abs(np.exp(1j * mended) - np.exp(1j * q[3])) < 1e-9
+        assert abs(np.exp(1j * printed) - np.exp(1j * q[3])) > 1e-6
+    quoted("ssa-eq4-theta4", "a_z s6 - n_z c6")
+
+
+def test_digits_that_the_aubo_paper_cuts_off() -> None:
+    table, cut = tables(AUBO)["Table 4"], set()
+    for row in ("K1", "K2", "W1", "L1", "L2", "W2"):
+        for j in range(1, 7):
+            cell = table[row, f"theta{j} (rad)"]
+            value = np.radians(table.value(row, f"theta{j} (deg)"))
+            if half_unit(cell.printed) < abs(value - cell.value) < 2 * half_unit(cell.printed) <= 0.01:
+                cut.add((row, j))
+    assert {("W1", 4), ("W1", 6), ("W2", 1), ("W2", 2)} <= cut
+    assert ("W1", 1) not in cut
+    quoted("aubo-table4-truncation", "-0.1257", "1.4975")
+
+
+def test_the_puma_motion_gets_rougher() -> None:
+    case, after = load_case("puma560"), np.array([0.75865, 0.4297, 1.2283])
+    peaks = [
+        [np.maximum(-motion.extrema(k).lowest, motion.extrema(k).highest).max() for k in (2, 3)]
+        for motion in (curve_named(case.curve).motion(case.problem.waypoints, d) for d in (np.ones(3), after))
+    ]
+    quoted("puma-smoother", f"{peaks[0][0]:.1f}", f"{peaks[1][0]:.1f}", f"{peaks[0][1]:.0f}", f"{peaks[1][1]:.0f}")

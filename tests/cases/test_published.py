@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import csv
+
 import numpy as np
 import pytest
 
-from study.cases.published import claims, papers, parsed, tables
+from study.cases.printed import parsed
+from study.cases.published import claims, main_claims, papers, statements, tables
+from study.datafiles import data_folder
 from study.errors import StudyError
 
 COUNTS = {  # rows x columns of the printed tables
@@ -51,7 +55,9 @@ def test_claims_agree_with_their_print(paper: str) -> None:
             f"{abs(claim.value):.4f}",
             f"{claim.value:.9f}",
         )
-        words = {10: "ten", 0.000054567: "0.000054567"}.get(claim.value, "")
+        words = {3: "three", 4: "four", 6: "six", 8: "eight", 10: "ten", 0.000054567: "0.000054567"}.get(
+            claim.value, ""
+        )
         assert any(text in claim.printed for text in digits) or (words and words in claim.printed), claim
         assert claim.place
 
@@ -121,3 +127,43 @@ def test_reductions_that_follow() -> None:
     for condition in ("1", "2"):
         saved = 100 * (1 - aubo[f"total-{condition}"].value / aubo["total-before"].value)
         assert saved == pytest.approx(aubo[f"reduction-{condition}"].value, abs=0.05)
+
+
+def inventory() -> list[dict[str, str]]:
+    """Everything that the papers' prose says in numbers or compares, with the section and where it is ruled on."""
+    with (data_folder() / "published" / "inventory.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+COUNTED = {  # numbers and comparative sentences of the prose, counted in the papers' texts
+    "woodworking-golds-pso": (50, 22), "aubo-dynamic-adaptive-pso": (28, 9), "ur5-smwoa": (9, 10), "ur5-tadf-ssa": (32, 12),
+    "puma560-chaotic-spso": (54, 27),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("paper", COUNTED)
+def test_the_inventory_holds_every_number_and_sentence_of_the_prose(paper: str) -> None:
+    own = [row for row in inventory() if row["paper"] == paper]
+    assert [sum(row["kind"] == kind for row in own) for kind in ("number", "sentence")] == list(COUNTED[paper])
+    ruled = {(row["ruled at"], row["section"]) for row in own if row["kind"] in ("number", "sentence")}
+    assert ruled == {(entry.id, entry.place) for entry in (*claims(paper).values(), *statements(paper))}
+
+
+def test_what_is_said_again_names_the_verdict_that_decides_it() -> None:
+    for row in inventory():
+        known = {
+            *claims(row["paper"]),
+            *(statement.id for statement in statements(row["paper"])),
+            *tables(row["paper"]),
+        }
+        ids = [row["ruled at"]] if row["ruled at"].startswith("Table") else row["ruled at"].split()
+        assert set(ids) <= known, row
+        assert ids or row["kind"] in ("equation", "equipment or citation"), row
+
+
+@pytest.mark.parametrize("paper", COUNTS)
+def test_main_claims_are_decided_by_what_is_ruled_on(paper: str) -> None:
+    known = {*claims(paper), *(statement.id for statement in statements(paper))}
+    decided = {name.split(" / ")[0] for main in main_claims(paper) for name in main.decided}
+    assert decided <= known
+    assert len(main_claims(paper)) >= 3

@@ -5,7 +5,7 @@ import pytest
 
 from study import StudyError
 from study.pathfinding.rrt import RRT, four_waypoints, length, shortcut
-from study.pathfinding.world import World, arm_clearance, random_world
+from study.pathfinding.world import World, arm_clearance, boxes_between, random_world
 
 BOX = World(np.zeros(3), np.full(3, 10.0), np.array([[[4.0, 4.0, 4.0], [6.0, 6.0, 6.0]]]))
 EMPTY = World(np.zeros(3), np.full(3, 10.0), np.empty((0, 2, 3)))
@@ -121,3 +121,13 @@ def test_mistakes_are_named():
             getattr(RRT(step=1.0, max_nodes=50), method)(shut, np.zeros(3), np.full(3, 9.0), rng)
     with pytest.raises(StudyError, match="lower corner below"):
         World(np.zeros(3), np.ones(3), np.ones((1, 2, 3)))
+
+
+def test_boxes_stand_between_two_ends_in_their_space_and_leave_the_ends_free():
+    lower, upper = np.array([1.0, -2.0, 0.0]), np.array([3.0, 4.0, 1.5])
+    start, goal = np.array([2.0, 3.5, 0.7]), np.array([1.5, -1.5, 0.7])
+    world = boxes_between(np.random.default_rng(3), (lower, upper), (start, goal), 8)
+    assert (world.obstacles[:, 0] >= lower - 1e-12).all()
+    assert (world.obstacles[:, 1] <= upper + 1e-12).all()
+    assert not world.hits(np.array([start, goal]), np.array([start, goal])).any()
+    assert world.hits(start[None], goal[None])[0]

@@ -25,16 +25,19 @@ from study.errors import StudyError
 from study.judge import judge
 from study.planning import Meter
 from study.reproduction import page
-from study.reproduction.benchmark_runs import BenchmarkJob, settled_at, thinned
+from study.reproduction.benchmark_runs import BenchmarkJob, thinned
 from study.reproduction.book import PAPERS, entries_of, jobs_of, paper_named
+from study.reproduction.cells import write_cells
+from study.reproduction.convergence import LEVELS, arrived_at, late, levels, settled, settled_at
 from study.reproduction.effort import FULL, Effort
 from study.reproduction.genetic_runs import GeneticJob
 from study.reproduction.jobs import RecordJob, Runs
 from study.reproduction.kinematics_runs import BRANCH, KinematicsJob, nearest
 from study.reproduction.motion_runs import MotionJob, OptimumJob, motion_of
-from study.reproduction.page import write_cells, write_index, write_paper
+from study.reproduction.page import write_index, write_paper
 from study.reproduction.path_runs import attempts
-from study.reproduction.verdicts import CLAIM, Outcome
+from study.reproduction.tally import AGREEING, counts_of, decided, sentences
+from study.reproduction.verdicts import BY_RUNS, CANNOT_STAND, CLAIM, IN_PRINT, Basis, Outcome
 from study.robots import inverse, robot_named
 from study.robots.helix import helix_configurations
 from study.runs.runner import run_jobs
@@ -66,12 +69,15 @@ class Page(HTMLParser):
     def __init__(self, text):
         super().__init__()
         self.found, self.here, self.inside, self.scope = {}, None, None, None
+        self.turned = set()
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
         attributes = dict(attributes)
         if tag == "h2":
             self.here, self.inside = None, "h2"
+        elif tag == "table" and attributes.get("data-turned"):
+            self.turned.add(max(self.found, key=list(self.found).index))
         elif tag == "th":
             self.inside = attributes.get("scope")
             if self.here and self.inside:
@@ -102,8 +108,10 @@ def test_every_cell_and_every_claim_has_a_verdict(reproduced, paper):
     printed = [(n, c.row, c.column, c.printed) for n, table in tables(paper).items() for c in table.cells]
     assert cells == printed
     ruled = [e.place.row for e in entries if e.place.table == CLAIM]
-    assert ruled == [*claims(paper), *(s.id for s in statements(paper))]
-    assert len(set(ruled)) == len(ruled)
+    assert list(dict.fromkeys(ruled)) == [*claims(paper), *(s.id for s in statements(paper))]
+    for name in set(ruled):
+        columns = [e.place.column for e in entries if e.place.table == CLAIM and e.place.row == name]
+        assert columns in ([""], [IN_PRINT, BY_RUNS])
     for entry in entries:
         if entry.ruling.outcome in (
             Outcome.IMPOSSIBLE,
@@ -122,13 +130,15 @@ def test_every_row_and_column_of_every_table_stands_on_the_page(reproduced, tmp_
     if paper not in DRAWN:
         monkeypatch.setattr(page, "_drawn", lambda *arguments: ())
     text = write_paper(paper, entries, runs, TINY, tmp_path, {"Python": "3"}).read_text(encoding="utf-8")
-    shown = Page(text).found
-    assert set(shown) == set(tables(paper))
+    parsed = Page(text)
+    assert set(parsed.found) == set(tables(paper))
     for number, table in tables(paper).items():
-        rows = list(dict.fromkeys(c.row for c in table.cells))
-        assert shown[number]["row"] == rows
-        assert shown[number]["col"] == ["", *table.columns]
-        assert shown[number]["cell"] == [c.printed for c in table.cells]
+        rows, columns = list(dict.fromkeys(c.row for c in table.cells)), list(table.columns)
+        cells = [c.printed for c in table.cells]
+        if number in parsed.turned:
+            rows, columns = columns, rows
+            cells = [table[row, column].printed for column in rows for row in columns]
+        assert parsed.found[number] == {"row": rows, "col": ["", *columns], "cell": cells}
     for identity in claims(paper):
         assert f'id="{identity}"' in text
     assert ("<svg" in text.split('id="figures"')[1].split('id="readings"')[0]) == (paper in DRAWN)
@@ -139,13 +149,68 @@ def test_every_row_and_column_of_every_table_stands_on_the_page(reproduced, tmp_
     assert [record["verdict"] for record in records] == [entry.ruling.outcome.value for entry in entries]
 
 
-def test_the_index_counts_what_the_pages_hold(reproduced, tmp_path):
-    entries = {paper: found for paper, (found, _) in reproduced.items()}
-    text = write_index(entries, TINY, tmp_path, {}).read_text(encoding="utf-8")
+def test_the_index_keeps_every_paper_that_lies_there(reproduced, tmp_path, monkeypatch):
+    monkeypatch.setattr(page, "_drawn", lambda *arguments: ())
+    total = 0
+    for paper in KEYS[:2]:
+        entries, runs = reproduced[paper]
+        write_paper(paper, entries, runs, TINY, tmp_path, {})
+        text = write_index(TINY, tmp_path, {}).read_text(encoding="utf-8")
+        total += len(entries)
+        with (tmp_path / "verdicts.csv").open(encoding="utf-8") as file:
+            assert len(list(csv.DictReader(file))) == total
+        assert sum(int(n) for n in re.findall(r'<span class="count">(\d+)</span>', text)) == total
     for paper in KEYS:
-        assert f'href="{paper}.html"' in text
-    numbers = [int(n) for n in re.findall(r'<td class="num">(\d+)</td>', text)]
-    assert sum(numbers) == sum(len(found) for found in entries.values())
+        assert (f'href="{paper}.html"' in text) == (paper in KEYS[:2])
+
+
+def test_cells_of_another_version_are_named(reproduced, tmp_path, monkeypatch):
+    entries, runs = reproduced[KEYS[1]]
+    monkeypatch.setattr(page, "_drawn", lambda *arguments: ())
+    write_paper(KEYS[1], entries, runs, TINY, tmp_path, {})
+    (tmp_path / f"{KEYS[1]}.csv").write_text("paper,verdict\n", encoding="utf-8")
+    with pytest.raises(StudyError, match="another version; reproduce that paper again"):
+        write_index(TINY, tmp_path, {})
+
+
+@pytest.mark.parametrize("paper", KEYS)
+def test_kinds_of_evidence_are_never_added_up(reproduced, paper):
+    entries, _ = reproduced[paper]
+    counts = counts_of(entries)
+    assert sum(sum(outcomes.values()) for outcomes in counts.values()) == len(entries)
+    for entry in entries:
+        by_runs = entry.ruling.basis in (Basis.RUNS, Basis.FITTED)
+        assert by_runs or entry.ruling.outcome is not Outcome.REPRODUCED, entry
+        assert not by_runs or entry.ruling.outcome not in (Outcome.CONSISTENT, Outcome.USED), entry
+    said = " ".join(sentences(counts))
+    for basis in (Basis.RUNS, Basis.PRINT, Basis.FORMULA):
+        agreeing = sum(counts[basis].get(outcome, 0) for outcome in AGREEING)
+        assert f" {agreeing} are " in said
+    assert (
+        f"{sum(e.ruling.outcome in CANNOT_STAND for e in entries)} printed numbers or statements cannot stand" in said
+    )
+
+
+@pytest.mark.parametrize("paper", KEYS)
+def test_every_main_claim_stands_with_what_became_of_it(reproduced, paper):
+    entries, _ = reproduced[paper]
+    for main in decided(paper, entries):
+        assert main.entries, main.claim
+
+
+def test_segments_of_durations_carry_no_verdict_of_their_own(reproduced):
+    for found, _ in reproduced.values():
+        for entry in found:
+            assert (entry.ruling.outcome is Outcome.PART) <= (entry.quantity in ("duration", "claim"))
+            if entry.quantity == "duration" and entry.place.column not in ("initialisation", "total time"):
+                assert entry.ruling.outcome is Outcome.PART, entry.place
+
+
+def test_an_inferred_limit_makes_no_motion_infeasible(reproduced):
+    outcomes = {e.ruling.outcome for e in reproduced["puma560-chaotic-spso"][0]}
+    assert Outcome.EXCEEDS_INFERRED in outcomes
+    assert Outcome.INFEASIBLE not in outcomes
+    assert Outcome.EXCEEDS_INFERRED not in CANNOT_STAND
 
 
 def test_a_missing_ruling_is_an_error(reproduced, monkeypatch):
@@ -166,7 +231,7 @@ def test_the_committed_verdicts_name_exactly_what_is_printed(reproduced):
     given = {
         command.key_of(e): e.ruling.outcome.value
         for e in flat
-        if e.ruling.outcome in (Outcome.USED, Outcome.IMPOSSIBLE)
+        if e.ruling.outcome in (Outcome.USED, Outcome.IMPOSSIBLE, Outcome.CONSISTENT, Outcome.PART)
     }
     assert {key: committed[key] for key in given} == given
 
@@ -220,10 +285,24 @@ def test_a_joint_that_stands_still_is_fastest_at_the_least_durations():
 
 
 def test_convergence_is_counted_from_the_descent():
-    assert settled_at(np.array([10.0, 5.0, 0.005, 0.0, 0.0])) == 3
-    assert settled_at(np.array([1.0, 1.0])) == 1
-    assert settled_at(np.array([np.inf, 2.0, 1.0])) == 2
+    assert settled_at(np.array([10.0, 5.0, 0.005, 0.0, 0.0]), 1e-3) == 3
+    assert settled_at(np.array([10.0, 5.0, 0.4, 0.0, 0.0]), 5e-2) == 3
+    assert settled_at(np.array([1.0, 1.0]), 1e-3) == 1
+    assert settled_at(np.array([np.inf, 2.0, 1.0]), 1e-3) == 2
+    assert arrived_at(np.array([3.0, 1.0, 1.0])) == 2
     assert thinned(1000)[[0, -1]].tolist() == [0, 999]
+
+
+def test_the_four_definitions_are_nested_and_a_descent_at_the_end_is_marked():
+    curve = np.geomspace(1e3, 1.0, 100)
+    record = {"settled": settled([curve, curve]), "generations": [1, 100]}
+    found = list(levels(record).values())
+    assert list(levels(record)) == list(LEVELS) == ["0.1 %", "1 %", "2 %", "5 %"]
+    assert found == sorted(found, reverse=True)
+    steep = {"settled": settled([np.linspace(10.0, 0.0, 100)]), "generations": [1, 100]}
+    assert late([steep]) == list(LEVELS)
+    assert late([{**record, "generations": [1, 200]}]) == []
+    assert settled([curve[90:]], [90])["5 %"][0] > 90
 
 
 def stored(jobs, path, workers=1, **options):
@@ -356,7 +435,7 @@ def test_the_command_leaves_pages_and_cells(tmp_path, monkeypatch):
 
 def test_a_folder_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(StudyError, match="choose another folder"):
+    with pytest.raises(StudyError, match="choose another"):
         write_cells(tmp_path / "file" / "cells.csv", [])
 
 

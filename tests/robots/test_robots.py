@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -221,4 +223,4 @@ def test_errors_name_the_robot_and_the_shape() -> None:
     with pytest.raises(StudyError, match="three signs"):
         inverse(robot, robot.forward(np.ones(6)), (1, 1, 0))
     with pytest.raises(StudyError, match="no closed-form inverse"):
-        inverse(robot_named("puma560-as-printed"), np.eye(4)[None])
+        inverse(replace(robot, solver=None), np.eye(4)[None])

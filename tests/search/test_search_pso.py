@@ -129,7 +129,7 @@ def test_dynamic_adaptive_schedules():
 
 def test_dynamic_adaptive_start_of_eq_15():
     rng = np.random.default_rng
-    above = DynamicAdaptivePSO(reading="as-printed").init(BOX, 30, 9, rng(0))
+    above = DynamicAdaptivePSO(reading="as-printed", start_inside=False).init(BOX, 30, 9, rng(0))
     assert (above.candidates >= BOX.upper).all()
     diagonal = DynamicAdaptivePSO().init(BOX, 30, 9, rng(0))
     fractions = (diagonal.candidates - BOX.lower) / BOX.width

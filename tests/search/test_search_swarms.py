@@ -81,7 +81,7 @@ def test_states_are_never_changed_in_place(name):
 def test_candidates_stay_in_the_box(name):
     search, rng = SEARCHES[name], np.random.default_rng(1)
     state = search.init(BOX, 20, 40, rng)
-    printed_start = isinstance(search, DynamicAdaptivePSO) and search.reading == "as-printed"
+    printed_start = isinstance(search, DynamicAdaptivePSO) and not search.start_inside
     for generation in range(40):
         inside = ((state.candidates >= BOX.lower) & (state.candidates <= BOX.upper)).all()
         assert inside or (printed_start and generation == 0)
