@@ -187,7 +187,7 @@ def test_a_planner_describes_itself_in_one_line_each():
 def test_planners_know_what_they_plan_with():
     assert Demand.JERK not in planner_named("toppra").knows
     assert planner_named("ruckig-stops").knows == RATE_LIMITS | {Demand.POSITION_RANGE}
-    freedoms = {planner_named(name).freedom for name in ("casadi-nlp", "copp", "quintic-nlp")}
+    freedoms = {planner_named(name).freedom for name in ("casadi-nlp", "toppra", "quintic-nlp")}
     assert freedoms == set(Freedom)
 
 

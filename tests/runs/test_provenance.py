@@ -26,7 +26,7 @@ EDITS = {
     "study/cli/main.py": ("", "\n# edited\n", set()),
     "study/judge.py": ("", "\n# edited\n", None),
     "data/cases/woodworking.yaml": ("lower: 1.0", "lower: 1.1", OPTIMA | SEARCHED | {"cell toppra"}),
-    "data/robots/puma560.yaml": ("a: 0.4318", "a: 0.4319", {"path"}),
+    "data/robots/puma560-table1.yaml": ("a: 100,", "a: 101,", {"path"}),
 }
 """By file of the tree: an edit, and the jobs that it makes anew; None for all of them."""
 
