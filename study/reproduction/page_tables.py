@@ -10,6 +10,9 @@ from study.cases.printed import Table
 from study.reproduction.book import Entry
 from study.reproduction.verdicts import Basis, Outcome
 
+NAMED = 6
+"""Places that stand with a reason by name."""
+
 WIDE = 7
 """Columns above which a table with fewer rows than columns is turned, so that it fits the page."""
 
@@ -98,7 +101,13 @@ def reasons(entries: Iterable[Entry]) -> list[Reason]:
         ):
             key = (entry.ruling.outcome, entry.ruling.basis, entry.ruling.why)
             groups.setdefault(key, []).append(" / ".join(filter(None, (entry.place.row, entry.place.column))))
-    return [Reason(*key, "; ".join(places), len(places)) for key, places in groups.items()]
+    return [Reason(*key, named(places), len(places)) for key, places in groups.items()]
+
+
+def named(places: Sequence[str]) -> str:
+    """Name a few places and count the rest; the CSV names all."""
+    rest = len(places) - NAMED
+    return "; ".join(places[:NAMED]) + (f" and {rest} more" if rest > 0 else "")
 
 
 def _kind(entry: Entry) -> tuple[Outcome, Basis]:

@@ -161,10 +161,10 @@ class PaperRuns:
         """Slowest of our medians until convergence at the four shares of the descent, as text."""
         return " / ".join(f"{steps:g}" for steps in convergence.slowest(records).values())
 
-    def everywhere(self, first: JobOf, second: JobOf, subjects: Sequence[int]) -> Ruling:
-        """Rule on the statement that one search converges before another on every joint, at every share of the descent.
+    def everywhere(self, first: JobOf, second: JobOf, subjects: Sequence[int], most: bool = False) -> Ruling:
+        """Rule on the statement that one search converges before another on every joint, or on most of them.
 
-        The share at which the statement holds most often decides; all of them are shown.
+        The share of the descent at which the statement holds most often decides; all of them are shown.
         """
         won: dict[str, Ruling] = {}
         for level in convergence.LEVELS:
@@ -175,4 +175,7 @@ class PaperRuns:
             won[level] = in_every(tests)
         best = max(won, key=lambda level: int(won[level].ours.split(" ")[0]))
         text = "; ".join(f"{ruling.ours.removesuffix(' comparisons')} at {level}" for level, ruling in won.items())
-        return replace(won[best], ours=text, why=f"at {best} of the descent: {won[best].why}")
+        ruling = replace(won[best], ours=text, why=f"at {best} of the descent: {won[best].why}")
+        if most and int(won[best].ours.split(" ")[0]) > len(subjects) / 2:
+            return replace(ruling, outcome=Outcome.REPRODUCED, agrees=True)
+        return ruling

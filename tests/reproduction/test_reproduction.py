@@ -35,6 +35,7 @@ from study.reproduction.jobs import RecordJob, Runs
 from study.reproduction.kinematics_runs import BRANCH, KinematicsJob, nearest
 from study.reproduction.motion_runs import MotionJob, OptimumJob, motion_of
 from study.reproduction.page import write_index, write_paper
+from study.reproduction.page_tables import named
 from study.reproduction.path_runs import attempts
 from study.reproduction.tally import AGREEING, counts_of, decided, sentences
 from study.reproduction.verdicts import BY_RUNS, CANNOT_STAND, CLAIM, IN_PRINT, Basis, Outcome
@@ -303,6 +304,23 @@ def test_the_four_definitions_are_nested_and_a_descent_at_the_end_is_marked():
     assert late([steep]) == list(LEVELS)
     assert late([{**record, "generations": [1, 200]}]) == []
     assert settled([curve[90:]], [90])["5 %"][0] > 90
+
+
+def test_faster_on_most_joints_is_less_than_faster_on_all():
+    """Records made by hand: earlier on two of three joints at every share of the descent."""
+    early, same = list(range(1, 13)), list(range(40, 52))
+    steps = {("own", j): early if j < 2 else same for j in range(3)} | {("other", j): same for j in range(3)}
+    runs = {job: {"settled": dict.fromkeys(LEVELS, counts)} for job, counts in steps.items()}
+    paper = PAPERS["aubo-dynamic-adaptive-pso"](TINY, runs)
+    own, other = (lambda j, name=name: (name, j) for name in ("own", "other"))
+    assert paper.everywhere(own, other, range(3)).outcome is Outcome.NOT_CONFIRMED
+    assert paper.everywhere(own, other, range(3), most=True).outcome is Outcome.REPRODUCED
+    assert paper.everywhere(other, own, range(3), most=True).outcome is Outcome.NOT_CONFIRMED
+
+
+def test_a_reason_names_a_few_places_and_counts_the_rest():
+    assert named(["a", "b"]) == "a; b"
+    assert named([f"F{k}" for k in range(9)]) == "F0; F1; F2; F3; F4; F5 and 3 more"
 
 
 def stored(jobs, path, workers=1, **options):

@@ -170,7 +170,7 @@ class Aubo(PaperRuns):
         }
         return {
             claim("better-than-pso"): in_every(ends),
-            claim("faster-than-pso"): self.everywhere(own, opponent, JOINTS),
+            claim("faster-than-pso"): self.everywhere(own, opponent, JOINTS, most=True),
             claim("lower-throughout"): self._throughout(name),
         }
 
