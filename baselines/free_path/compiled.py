@@ -8,16 +8,15 @@ along.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from baselines.free_path.compiled_algebra import factored, multiply, project, reflect, right_inverse
+from baselines.free_path.compiled_algebra import factored, kernel, multiply, project, reflect, right_inverse
 from baselines.free_path.question import Integers
 from study.problem import Floats
 
 SHARED = 7
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel
 def _add_piece(
     g: Floats, s1: Floats, s2: Floats, columns: tuple[int, int, int], used: Integers, hessian: Floats
 ) -> None:
@@ -44,7 +43,7 @@ def _add_piece(
                 hessian[p, p] += 2 * value
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel
 def _advance(s1: Floats, s2: Floats, y: Floats, gains: tuple[float, float], k: int, pieces: int) -> None:
     """Carry the sensitivities of x1 and x2 over piece k."""
     c1, c2 = gains
@@ -60,7 +59,7 @@ def _advance(s1: Floats, s2: Floats, y: Floats, gains: tuple[float, float], k: i
     s1[width] += c1 * (u0 + u1) / 2
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel
 def _sum_up(local: Floats, y: Floats, gains: tuple[float, float], hessian: Floats, closing: Floats) -> None:
     """Hessian in z, and the last sensitivities."""
     pieces, size = local.shape[0], len(hessian)
@@ -83,7 +82,7 @@ def _sum_up(local: Floats, y: Floats, gains: tuple[float, float], hessian: Float
             hessian[q, p] = hessian[p, q]
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel
 def _gather(
     hessian: Floats,
     inside: Integers,
@@ -118,7 +117,7 @@ def _gather(
         outer[6, p] = outer[p, 6]
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel
 def _equations(
     closing: Floats,
     scales: Floats,
@@ -152,7 +151,7 @@ def _equations(
     return count
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel
 def prepare(
     local: Floats,
     states: Floats,
@@ -190,7 +189,7 @@ def prepare(
             project(left, product, count, projected[i, j])
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel
 def finish(
     least: float, counts: Integers, shifts: tuple[float, float], given: tuple[Floats, ...], out: tuple[Floats, ...]
 ) -> None:
@@ -231,7 +230,7 @@ def finish(
             )
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel
 def _reduce(
     inner: Floats, cross: Floats, outer: Floats, feasible: Floats, projected: Floats, out: tuple[Floats, Floats, Floats]
 ) -> None:

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, TypeVar
+
 import numpy as np
 from numba import njit
 
 from study.problem import Floats
 
+Kernel = TypeVar("Kernel", bound=Callable[..., None])
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+
+def kernel(function: Kernel) -> Kernel:
+    """Compile a function on its first call, and keep it in numba's cache; sums may be reordered."""
+    compiled: Any = njit(cache=True, fastmath={"reassoc", "contract"})(function)
+    return compiled
+
+
+@kernel
 def reflect(work: Floats, left: Floats, count: int) -> None:
     """Householder reflections of `work` (n_inner, count); `left` becomes the orthogonal factor."""
     size = len(work)
@@ -41,7 +52,7 @@ def reflect(work: Floats, left: Floats, count: int) -> None:
                 left[row, p] -= total * normal[p]
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel
 def right_inverse(left: Floats, triangle: Floats, count: int, inverse: Floats) -> None:
     """Solve for the right inverse, column by column from the last."""
     for c in range(count - 1, -1, -1):
@@ -52,7 +63,7 @@ def right_inverse(left: Floats, triangle: Floats, count: int, inverse: Floats) -
             inverse[p, c] = value / triangle[c, c]
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel
 def multiply(left: Floats, right: Floats, sign: float, product: Floats) -> None:
     """Product of two matrices, up to its sign, row by row so that the inner loop runs along memory."""
     for p in range(len(left)):
@@ -64,7 +75,7 @@ def multiply(left: Floats, right: Floats, sign: float, product: Floats) -> None:
                 product[p, q] += value * right[r, q]
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel
 def project(left: Floats, product: Floats, count: int, hessian: Floats) -> None:
     """Hessian in the null space of the equations."""
     size = len(left)
@@ -80,7 +91,7 @@ def project(left: Floats, product: Floats, count: int, hessian: Floats) -> None:
             hessian[q, p] = hessian[p, q]
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel
 def factored(matrix: Floats, shift: float, size: int, factor: Floats) -> bool:
     """Cholesky factor of the leading part of a matrix plus a multiple of the identity; whether there is one."""
     for p in range(size):
