@@ -12,7 +12,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import cast
 
 from study.bounds import Bound, Method, undescribed_bound
-from study.code_digest import code_digest
+from study.code_digest import OURS, code_digest
 from study.errors import StudyError, unknown
 from study.planning import Planner, undescribed
 
@@ -98,6 +98,11 @@ def planner_version(name: str) -> str:
 def planner_code(name: str) -> str:
     """Version of a planner or bound and checksum of its sources: a change of either makes other results of all."""
     return f"{planner_version(name)}; code {code_digest(_method_entry(name).module)[:16]}"
+
+
+def is_foreign(name: str) -> bool:
+    """Tell whether another package brings a planner or bound; False for a name that is not installed."""
+    return name in method_names() and _method_entry(name).module.partition(".")[0] not in OURS
 
 
 def _method_entry(name: str) -> EntryPoint:

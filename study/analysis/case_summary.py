@@ -15,6 +15,7 @@ from study.analysis.methods import Kind, MethodSummary, bound_of, lower_bound
 from study.analysis.published import published_methods
 from study.bounds import Method, is_stochastic
 from study.cases.library import Case
+from study.cases.papers import paper_of
 from study.curves import CURVES
 from study.errors import StudyError
 from study.planning import Freedom
@@ -51,7 +52,8 @@ class CaseSummary:
     @cached_property
     def best(self) -> Featured:
         """Best method of every role."""
-        return featured(self.methods, self.case.velocity_only)
+        own = self.case.planner if paper_of(self.case.paper) else ""
+        return featured(self.methods, self.case.velocity_only, own)
 
     @cached_property
     def rungs(self) -> tuple[Rung, ...]:

@@ -10,7 +10,6 @@ from study.analysis.featured import Featured
 from study.analysis.formatting import plural
 from study.analysis.methods import Kind, MethodSummary, bound_of, lower_bound
 from study.cases.library import Case
-from study.cases.papers import paper_of
 from study.planning import Freedom, Synchronisation
 
 SAME = 1e-6
@@ -194,8 +193,7 @@ def _steps(case: Case, methods: Sequence[MethodSummary], best: Featured) -> Iter
 def _curve_steps(case: Case, methods: Sequence[MethodSummary], best: Featured) -> Iterator[_Step]:
     """On the case's curve: its own planner, the best search and the optimum under its rule, then with shared durations."""
     searches = [m for m in methods if m.kind is Kind.SEARCH and m.feasible and m.freedom is Freedom.CURVE]
-    papers_own = case.planner if paper_of(case.paper) else None
-    own = next((method for method in searches if method.label == papers_own), None)
+    own = best.own if best.own is not None and best.own.feasible else None
     if own is not None:
         yield from _reproduced(own)
     rule, shared = case.settings.synchronisation, Synchronisation.SHARED

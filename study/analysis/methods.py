@@ -119,6 +119,10 @@ class MethodSummary:
             return self._feasible[(len(self._feasible) - 1) // 2]
         return min(self.results, key=_violation, default=None)
 
+    def durations_of(self, half: int) -> list[float]:
+        """Durations of the feasible runs with even seeds (0) or odd ones (1), s."""
+        return [_duration(run) for run in self._feasible if run.cell.settings.seed % 2 == half]
+
     @property
     def motion(self) -> Motion | None:
         """Motion of the representative run."""

@@ -1,13 +1,23 @@
-"""The three sentences that answer the study's question, made from the results."""
+"""The sentences that answer the study's question, made from the results."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
-from study.analysis.featured import LEVEL, Featured
+from study.analysis.featured import LEVEL, SEARCHES, Featured
 from study.analysis.formatting import count, listed, percent, plural, seconds, wall
 from study.analysis.methods import MethodSummary
+
+WHO = {
+    "own": "the paper's own method",
+    "search": "the best of the papers' searches",
+    "modern": "the best modern search",
+}
+"""Roles of searches as sentences name them."""
+
+Pairs = list[tuple[MethodSummary, MethodSummary]]
+"""Searches and the deterministic optimum on the same curve, both feasible, one pair for each case that has them."""
 
 
 def answer(cases: Sequence[Featured], budgets: Sequence[int] = ()) -> tuple[str, ...]:
@@ -19,12 +29,16 @@ def answer(cases: Sequence[Featured], budgets: Sequence[int] = ()) -> tuple[str,
     budgets : sequence of int
         Evaluations that the papers spend, said beside ours where they differ.
     """
-    return _whole(_who_wins(cases), _what_it_costs(cases, budgets), _what_the_curve_costs(cases))
+    return _whole(
+        *_who_wins(cases, _standing), _what_it_costs(cases, budgets), _how_chosen(cases), _what_the_curve_costs(cases)
+    )
 
 
 def case_answer(best: Featured, budgets: Sequence[int] = ()) -> tuple[str, ...]:
     """Say the same of one case, with the names of the methods and their times."""
-    return _whole(_who_wins_here(best), _what_it_costs([best], budgets), _off_the_curve(best))
+    return _whole(
+        *_who_wins([best], _standing_here), _what_it_costs([best], budgets), _how_chosen([best]), _off_the_curve(best)
+    )
 
 
 def _whole(*sentences: str) -> tuple[str, ...]:
@@ -32,12 +46,21 @@ def _whole(*sentences: str) -> tuple[str, ...]:
     return tuple(re.sub(r"(?<=\d) (?=%|s\b|ms\b)", "\u00a0", sentence) for sentence in sentences if sentence)
 
 
-def _compared(cases: Sequence[Featured]) -> list[tuple[MethodSummary, MethodSummary]]:
-    return [
-        (case.search, case.optimiser)
-        for case in cases
-        if case.search and case.optimiser and case.search.feasible and case.optimiser.feasible
-    ]
+def _compared(cases: Sequence[Featured], role: str) -> Pairs:
+    pairs = [(getattr(case, role), case.optimiser) for case in cases]
+    return [(search, plain) for search, plain in pairs if search and plain and search.feasible and plain.feasible]
+
+
+def _groups(cases: Sequence[Featured]) -> dict[str, Pairs]:
+    """Pairs of every role of a search; the paper's own method is left out where it is the only search of the papers."""
+    groups = {role: pairs for role in SEARCHES if (pairs := _compared(cases, role))}
+    if groups.get("own") == groups.get("search"):
+        groups.pop("own", None)
+    return groups
+
+
+def _all_pairs(case: Featured) -> Pairs:
+    return [pair for role in SEARCHES for pair in _compared([case], role)]
 
 
 def _relative(method: MethodSummary, reference: MethodSummary, best: bool = False) -> float:
@@ -60,35 +83,49 @@ def _span(values: Sequence[float]) -> str:
     return f"{' to '.join(ends)} {word} time"
 
 
-def _who_wins(cases: Sequence[Featured]) -> str:
-    pairs = _compared(cases)
-    if not pairs:
-        return ""
-    gaps = [_relative(search, plain) for search, plain in pairs]
-    best = [_relative(search, plain, best=True) for search, plain in pairs]
+def _who_wins(cases: Sequence[Featured], said: Callable[[Pairs], str]) -> list[str]:
+    """Lead with the verdict and the strongest group of searches, then name the others."""
+    groups = _groups(cases)
+    order = sorted(groups, key=lambda role: sum(_relative(*pair) for pair in groups[role]) / len(groups[role]))
+    sentences = [f"{WHO[role]} {said(groups[role])}" for role in order]
+    if not sentences:
+        return []
+    lead = f"{_lead(cases)}: against a plain deterministic optimiser on the same curve, "
+    return [lead + sentences[0], *(sentence[0].upper() + sentence[1:] for sentence in sentences[1:])]
+
+
+def _lead(cases: Sequence[Featured]) -> str:
+    """Verdict over all searches: ahead in all cases, in some, or in none, and whether a modern search is level."""
+    pairs = [each for case in cases if (each := _all_pairs(case))]
+    ahead = [any(_relative(*pair, best=True) < -LEVEL for pair in each) for each in pairs]
+    if any(ahead):
+        return "Yes" if all(ahead) else "Sometimes"
+    modern = _compared(cases, "modern")
+    level = bool(modern) and all(_relative(*pair) <= LEVEL for pair in modern)
+    return "No, but a modern metaheuristic is level" if level else "No"
+
+
+def _standing(pairs: Pairs) -> str:
+    """Say in how many cases a group is ahead, level and behind, and by how much."""
+    gaps = [_relative(*pair) for pair in pairs]
+    best = [_relative(*pair, best=True) for pair in pairs]
     ahead = sum(value < -LEVEL for value in best)
     behind = sum(gap > LEVEL and value >= -LEVEL for gap, value in zip(gaps, best, strict=True))
     verdicts = (("ahead", ahead), ("level", len(gaps) - behind - ahead), ("behind", behind))
     counts = listed([f"{verb} in {n}" for verb, n in verdicts if n])
-    lead = "No" if not ahead else "Sometimes" if ahead < len(gaps) else "Yes"
     return (
-        f"{lead}: on the same curve the best metaheuristic is {counts} of {plural(len(gaps), 'case')} against a plain "
-        f"deterministic optimiser; it takes {_span(gaps)} ({_seeds([search for search, _ in pairs], _span(best))})."
+        f"is {counts} of {plural(len(gaps), 'case')}; it takes {_span(gaps)} "
+        f"({_seeds([search for search, _ in pairs], _span(best))})."
     )
 
 
-def _who_wins_here(best: Featured) -> str:
-    pairs = _compared([best])
-    if not pairs:
-        return ""
-    search, plain = pairs[0]
-    luck = _relative(search, plain, best=True)
-    lead = "Yes" if luck < -LEVEL else "No"
-    usual, lucky = _span([_relative(search, plain)]), _span([luck])
+def _standing_here(pairs: Pairs) -> str:
+    """Say the same of one case, with names and times."""
+    ((search, plain),) = pairs
+    usual, lucky = _span([_relative(search, plain)]), _span([_relative(search, plain, best=True)])
     return (
-        f"{lead}: on the same curve the best metaheuristic (`{search.label}`) takes {seconds(search.median)} and the "
-        f"deterministic `{plain.label}` {seconds(plain.median)}: {usual} "
-        f"({_seeds([search], 'too' if lucky == usual else lucky)})."
+        f"(`{search.label}`) takes {seconds(search.median)} and the deterministic `{plain.label}` {seconds(plain.median)}: "
+        f"{usual} ({_seeds([search], 'too' if lucky == usual else lucky)})."
     )
 
 
@@ -102,17 +139,28 @@ def _seeds(searches: Sequence[MethodSummary], lucky: str) -> str:
 
 
 def _what_it_costs(cases: Sequence[Featured], budgets: Sequence[int]) -> str:
-    pairs = _compared(cases)
-    times = [(search.wall_time, plain.wall_time) for search, plain in pairs if search.wall_time and plain.wall_time]
-    if not times:
+    groups = _groups(cases)
+    plain = list({id(plain): plain.wall_time for pairs in groups.values() for _, plain in pairs}.values())
+    if not plain or not all(plain):
         return ""
-    ours, theirs = ([pair[k] for pair in times] for k in (0, 1))
-    spent = [search.evaluations for search, _ in pairs]
+    spent = sorted({search.evaluations for pairs in groups.values() for search, _ in pairs})
     whose = "the paper's" if len(budgets) == 1 else "the papers'"
     aside = f" ({whose} own budget is {_counts(budgets)}: `study run --full`)" if set(budgets) - set(spent) else ""
+    costs = [f"{WHO[role]} in {_walls([search.wall_time for search, _ in pairs])}" for role, pairs in groups.items()]
     return (
-        f"That metaheuristic spends {_counts(spent)} curve evaluations{aside} and {_walls(ours)} of computing on every "
-        f"run; the deterministic optimiser needs {_walls(theirs)}, once."
+        f"Every run of a search spends {_counts(spent)} curve evaluations{aside}, {listed(costs)} of computing; the "
+        f"deterministic optimiser needs {_walls(plain)}, once."
+    )
+
+
+def _how_chosen(cases: Sequence[Featured]) -> str:
+    """State the rule by which the best of a group is chosen, and how far the choice flatters it."""
+    changes = [case.flattery for case in cases if case.flattery is not None]
+    if not changes:
+        return ""
+    return (
+        "Best of a group: the lowest median over all seeds, the same seeds and budget for every search. Chosen by every "
+        f"second seed and timed by the other seeds, its time changes by at most {percent(max(changes), False)}."
     )
 
 
@@ -147,11 +195,11 @@ def _freed(case: Featured) -> list[MethodSummary]:
 
 
 def _blame(cases: Sequence[Featured]) -> str:
-    """In how many cases giving up the curve gains more than the search loses on it."""
+    """In how many cases giving up the curve gains more than the closest search loses on it."""
     both = [
-        (min(_relative(method, plain) for method in _freed(case)), abs(_relative(search, plain)))
+        (min(_relative(method, plain) for method in _freed(case)), min(abs(_relative(*pair)) for pair in pairs))
         for case in cases
-        for search, plain in _compared([case])
+        if (pairs := _all_pairs(case)) and (plain := pairs[0][1])
     ]
     blamed = sum(gain < -loss for gain, loss in both)
     if not blamed:

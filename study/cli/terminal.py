@@ -13,7 +13,8 @@ from rich.table import Table
 from rich.text import Text
 
 from study.analysis.case_summary import CaseSummary
-from study.analysis.formatting import DASH, figures, percent, share
+from study.analysis.ends import end_steps
+from study.analysis.formatting import DASH, figures, percent, seconds, share, wall
 from study.analysis.methods import Kind, MethodSummary, Standing
 from study.bounds import Method, kind_of
 from study.cases.ledger import Entry
@@ -58,7 +59,7 @@ def methods_table(summary: CaseSummary, flags: Collection[str] = ()) -> Table:
         title=f"{case.name}: {case.title} (limits: {case.limits_label})",
         title_justify="left",
         header_style="bold",
-        caption=NOTE + FLAGGED * bool(flags),
+        caption="\n".join((*_apart(summary), NOTE + FLAGGED * bool(flags))),
         caption_justify="left",
     )
     table.add_column("method", no_wrap=True)
@@ -70,6 +71,19 @@ def methods_table(summary: CaseSummary, flags: Collection[str] = ()) -> Table:
         style = "bold" if method.kind is Kind.BOUND else "" if method.feasible else "red"
         table.add_row(*_method_row(method, method.kind is Kind.SEARCH and method.planner in flags), style=style)
     return table
+
+
+def _apart(summary: CaseSummary) -> Iterator[str]:
+    """Lines that tell the searches apart, each with its time against the optimum, its evaluations and its wall time."""
+    reference = summary.best.reference
+    for role, method in summary.best.on_the_curve():
+        against = ""
+        if method.median and reference and reference.median and method is not reference:
+            against = f" ({percent(method.median / reference.median - 1)})"
+        spent = f"{method.evaluations:,} evaluations, " if method.kind is Kind.SEARCH else ""
+        yield f"{role}: {method.label}, {seconds(method.duration)}{against}, {spent}{wall(method.wall_time)}"
+    if text := end_steps(summary):
+        yield text
 
 
 def _method_row(method: MethodSummary, flagged: bool) -> tuple[str | Text, ...]:

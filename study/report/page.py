@@ -12,7 +12,8 @@ from markupsafe import Markup
 
 from study.analysis import formatting
 from study.analysis.case_summary import CaseSummary
-from study.analysis.featured import ROLE_NAMES, Featured
+from study.analysis.ends import end_steps
+from study.analysis.featured import IN_ORDER, ROLE_NAMES, SEARCHES, Featured
 from study.analysis.ladder import Rung, breakdown_of
 from study.analysis.methods import Kind, MethodSummary, Standing, known_times, names_explained
 from study.analysis.sentences import answer, case_answer
@@ -159,7 +160,14 @@ def _render(template: str, context: Mapping[str, object]) -> str:
         name: getattr(formatting, name)
         for name in ("seconds", "change", "wall", "percent", "share", "count", "plural", "listed", "coded")
     }
-    shared = {"rates": RATES, "raw": raw, "columns": COLUMNS, "role_names": ROLE_NAMES, "freedoms": tuple(Freedom)}
+    shared = {
+        "rates": RATES,
+        "raw": raw,
+        "columns": COLUMNS,
+        "role_names": ROLE_NAMES,
+        "roles": IN_ORDER,
+        "freedoms": tuple(Freedom),
+    }
     return render(template, {**shared, **context}, filters=filters)
 
 
@@ -184,6 +192,7 @@ def _index_page(
             "names": names_explained(method for each in reports for _, _, method in each.summary.best.present()),
             "headline": pictures,
             "legend": {style: ROLE_NAMES[role] for each in reports for style, role, _ in each.summary.best.present()},
+            "steps": [steps for each in reports if (steps := end_steps(each.summary))],
             "published": _published_count(reports),
             "compared": (out / "comparison" / "index.html").is_file(),
             "reproduced": (out / "reproduction" / "index.html").is_file(),
@@ -208,7 +217,7 @@ def headline_row(summary: CaseSummary) -> plot_style.HeadlineRow | None:
     marks = []
     for style, role, method in summary.best.present():
         if method.duration:
-            best = method.best if role == "search" else None
+            best = method.best if role in SEARCHES else None
             spread = None if best is None else best / reference.duration
             marks.append(plot_style.Mark(style, method.duration / reference.duration, method.feasible, spread))
     return plot_style.HeadlineRow(summary.case.name + " †" * summary.best.velocity_only, tuple(marks))
@@ -245,6 +254,8 @@ def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mappin
             "known": known_times(summary.methods),
             "single": [method for method in summary.methods if method.joint is not None],
             "featured": summary.best.present(),
+            "apart": summary.best.on_the_curve(),
+            "steps": end_steps(summary),
             "series": series,
             "near": near,
             "left_out": [each for each in series if each not in near],
@@ -262,7 +273,7 @@ def featured_series(summary: CaseSummary) -> tuple[list[plot_style.Series], list
     """Give the featured motions with their styles, and those of them that fit into one plot of profiles."""
     series = [
         plot_style.Series(method.label, style, method.motion)
-        for style, _, method in summary.best.present()
+        for style, _, method in summary.best.distinct()
         if method.motion is not None
     ]
     return series, [each for each in series if not _too_long(each.motion, summary.best)]
@@ -277,7 +288,7 @@ def _too_long(motion: Motion, best: Featured) -> bool:
 def _groups(report: CaseReport) -> list[tuple[str, str, list[tuple[MethodSummary, Record]]]]:
     """Rows of the results table in the groups that sorting keeps apart: feasible, infeasible, never judged."""
     case, source = report.summary.case, report.source
-    whole = [(method, result_record(case, method, source)) for method in report.summary.whole]
+    whole = [(method, result_record(case, method, source, report.summary.best.own)) for method in report.summary.whole]
     return [(name, head, [pair for pair in whole if pair[0].standing is name]) for name, head in STANDINGS.items()]
 
 

@@ -25,7 +25,7 @@ WIDTH = 1400
 LETTER = 6.6
 """Width of a letter of the legend; a browser's own font is rarely wider."""
 
-DASHES = ("", "8 3", "8 3 2 3", "2 2.5", "4 2 1.5 2 1.5 2", "13 4")
+DASHES = ("", "8 3", "8 3 2 3", "2 2.5", "4 2 1.5 2 1.5 2", "13 4", "1.5 4")
 FONT = 'font-family="system-ui, Segoe UI, Roboto, DejaVu Sans, sans-serif"'
 
 

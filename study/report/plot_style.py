@@ -25,13 +25,14 @@ THEME = {
     "#0a0a04": "s4",
     "#0a0a05": "s5",
     "#0a0a06": "s6",
+    "#0a0a07": "s7",
 }
 """Placeholder colours that a figure draws with, and the custom property of the style sheet that takes their place."""
 
 PLACEHOLDER = {name: colour for colour, name in THEME.items()}
 
 INK, MUTED, GRID, BAND, PAPER = (PLACEHOLDER[name] for name in ("ink", "muted", "grid", "band", "paper"))
-SERIES = tuple(PLACEHOLDER[f"s{k}"] for k in range(1, 7))
+SERIES = tuple(PLACEHOLDER[f"s{k}"] for k in range(1, 8))
 DASHES: tuple[Any, ...] = (
     "-",
     (0, (6, 2)),
@@ -39,8 +40,9 @@ DASHES: tuple[Any, ...] = (
     (0, (1.5, 1.5)),
     (0, (3, 1.5, 1, 1.5, 1, 1.5)),
     (0, (9, 3)),
+    (0, (1, 3)),
 )
-MARKERS = ("o", "s", "^", "D", "X", "v")
+MARKERS = ("o", "s", "^", "D", "X", "v", "P")
 RC: Any = {
     "svg.hashsalt": "time-optimal-study",
     "svg.fonttype": "none",
@@ -112,7 +114,7 @@ class Bar:
     solid: bool
 
 
-LANES = (-0.15, 0.0, -0.15, 0.16, 0.38)
+LANES = (0.0, 0.26, -0.16, 0.26, 0.42, 0.13, -0.16)
 """Height of every role above its case's line, so that level methods do not hide one another."""
 
 LABEL_ROOM = 74

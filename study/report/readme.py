@@ -2,35 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from study.analysis.case_summary import CaseSummary
-from study.analysis.featured import ROLE_NAMES
-from study.analysis.formatting import DASH, percent, seconds
+from study.analysis.ends import end_steps
+from study.analysis.featured import ROLE_NAMES, SEARCHES
+from study.analysis.formatting import DASH, count, percent, seconds, wall
 from study.analysis.methods import Kind, MethodSummary, lower_bound
 from study.analysis.sentences import answer
 from study.errors import StudyError
 from study.files import write_file
 
 BEGIN, END = "<!-- answer -->", "<!-- /answer -->"
-COLUMNS = ("published", "search", "optimiser", "fixed", "free")
+ON_CURVE, OFF_CURVE = ("published", *SEARCHES, "optimiser"), ("optimiser", "fixed", "free")
 
 
 def answer_in_markdown(summaries: Sequence[CaseSummary]) -> str:
-    """Say what came out in three sentences and a table with one row for each case."""
-    heads = ["case", *(ROLE_NAMES[role] for role in COLUMNS), "no motion is faster than"]
-    lines = [heads, ["---"] * len(heads), *map(_row, summaries)]
-    table = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+    """Say what came out in a few sentences and two tables with one row for each case: on the papers' curves, and off them."""
+    on_curve = _table(["case", *(ROLE_NAMES[role] for role in ON_CURVE)], map(_row_on_curve, summaries))
+    heads = ["case", *(ROLE_NAMES[role] for role in OFF_CURVE), "no motion is faster than"]
+    tables = f"{on_curve}\n\n{_table(heads, map(_row_off_curve, summaries))}"
     budgets = [summary.case.settings.evaluations for summary in summaries]
     sentences = answer([summary.best for summary in summaries], budgets)
-    return "\n".join((*(f"- {sentence}" for sentence in sentences), "", table))
+    steps = [text for summary in summaries if (text := end_steps(summary))]
+    return "\n".join((*(f"- {sentence}" for sentence in sentences), "", tables, *(f"\n{text}" for text in steps)))
 
 
-def _row(summary: CaseSummary) -> list[str]:
-    best = summary.best
-    times = [_time(getattr(best, role), best.reference) for role in COLUMNS]
-    return [summary.case.name + " †" * best.velocity_only, *times, seconds(lower_bound(summary.methods))]
+def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in (heads, ["---"] * len(heads), *rows))
+
+
+def _row_on_curve(summary: CaseSummary) -> list[str]:
+    best, step = summary.best, " ‡" * bool(end_steps(summary))
+    cells = [_time(getattr(best, role), best.reference) + _price(getattr(best, role)) for role in ON_CURVE]
+    cells[-1] = cells[-1].replace(" s ", f" s{step} ", 1)
+    return [_name(summary), *cells]
+
+
+def _row_off_curve(summary: CaseSummary) -> list[str]:
+    times = [_time(getattr(summary.best, role), summary.best.reference) for role in OFF_CURVE]
+    return [_name(summary), *times, seconds(lower_bound(summary.methods))]
+
+
+def _name(summary: CaseSummary) -> str:
+    return summary.case.name + " †" * summary.best.velocity_only
+
+
+def _price(method: MethodSummary | None) -> str:
+    """Second line of a cell: evaluations and wall time of a run."""
+    if method is None or not method.wall_time or method.kind is Kind.PUBLISHED:
+        return ""
+    spent = f"{count(method.evaluations)} evaluations, " if method.kind is Kind.SEARCH else ""
+    return f"<br>{spent}{wall(method.wall_time)}"
 
 
 def _time(method: MethodSummary | None, reference: MethodSummary | None) -> str:

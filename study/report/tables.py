@@ -9,6 +9,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from study.analysis.case_summary import CaseSummary
+from study.analysis.featured import group_of
 from study.analysis.formatting import DASH, bare_seconds, count, percent, share, wall
 from study.analysis.methods import Kind, MethodSummary
 from study.analysis.tables import Record, Value, write_table
@@ -78,13 +79,20 @@ COLUMNS = (
         _number(lambda v: count(v) if v else DASH),
     ),
     Column("wall_s", "Wall", "computing time of a run, median over runs", _number(lambda v: wall(v) if v else DASH)),
-    Column("kind", "Kind", "search (with a seed), deterministic or published", _plain, False),
+    Column(
+        "group",
+        "Kind",
+        "searches, which need a seed, by where they come from: the case's own paper, the papers, or no paper (modern); "
+        "deterministic; published",
+        _plain,
+        False,
+    ),
 )
 
 
 SCHEMAS: dict[str, dict[str, type]] = {
     "results": {
-        **dict.fromkeys(("case",), str), "rank": int, **dict.fromkeys(("method", "kind", "path"), str),
+        **dict.fromkeys(("case",), str), "rank": int, **dict.fromkeys(("method", "kind", "group", "path"), str),
         **dict.fromkeys(("median_s", "best_s", "gap", "behind_same_kind", "above_bound"), float), "feasible": str,
         **dict.fromkeys(("runs", "feasible_runs"), int), "worst_ratio": float, "evaluations": int,
         **dict.fromkeys(("wall_s", "claimed_s"), float), **dict.fromkeys(("reason", "command"), str),
@@ -133,13 +141,24 @@ def command(case: Case, method: MethodSummary, source: str = "") -> str:
     return shlex.join([*parts, "--out", AGAIN])
 
 
-def result_record(case: Case, method: MethodSummary, source: str = "") -> Record:
-    """One row of the results table; times in s, shares as plain numbers; `source` is what loads the case."""
+def result_record(case: Case, method: MethodSummary, source: str = "", own: MethodSummary | None = None) -> Record:
+    """One row of the results table; times in s, shares as plain numbers.
+
+    Parameters
+    ----------
+    case : Case
+    method : MethodSummary
+    source : str
+        What loads the case.
+    own : MethodSummary, optional
+        The method of the case's own paper.
+    """
     return {
         "case": case.name,
         "rank": method.rank,
         "method": method.label,
         "kind": method.kind,
+        "group": group_of(method, own),
         "path": method.freedom or "",
         "median_s": _float(method.duration),
         "best_s": _float(method.best),
@@ -228,7 +247,11 @@ def write_tables(folder: Path, name: str, summaries: Sequence[CaseSummary], sour
     """
     pairs = [(summary.case, method) for summary in summaries for method in summary.methods]
     tables = {
-        "results": [result_record(*pair, sources.get(pair[0].name, "")) for pair in pairs],
+        "results": [
+            result_record(each.case, method, sources.get(each.case.name, ""), each.best.own)
+            for each in summaries
+            for method in each.methods
+        ],
         "runs": [record for pair in pairs for record in run_records(*pair)],
         "limits": [record for pair in pairs for record in limit_records(*pair)],
         "segments": [record for pair in pairs for record in segment_records(*pair)],

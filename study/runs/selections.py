@@ -1,5 +1,12 @@
 """Selections of planners: the one place where planners are named by taste; everything else they say themselves."""
 
+MODERN_SEARCHES = ("cma-es-own-population", "cma-es", "l-shade")
+"""References of no paper that stand for what metaheuristics can do today; the first takes its own population size, the
+others the paper's."""
+
+OF_NO_PAPER = (*MODERN_SEARCHES, "l-shade-own-population", "scipy-de")
+"""Searches that no paper proposes or compares with; those of other packages count with them."""
+
 HEADLINE_SEARCHES = (
     "pso",
     "gold-sa",
@@ -8,6 +15,7 @@ HEADLINE_SEARCHES = (
     "smwoa",
     "tadf-ssa",
     "chaotic-spso",
+    *MODERN_SEARCHES,
     "random-search",
 )
 """Searches of the default line-up; every deterministic planner stands beside them."""
@@ -29,7 +37,7 @@ YARDSTICKS = ("random-search", "centre", "lbfgsb-once")
 
 CONTESTANTS = (
     "pso", "pso-basic", "simple-pso", "gold-sa", "golds-pso", "dynamic-adaptive-pso", "woa", "sma", "smwoa", "ssa",
-    "tadf-ssa", "chaotic-spso", "de", "cma-es", "scipy-de",
+    "tadf-ssa", "chaotic-spso", "de", *MODERN_SEARCHES, "scipy-de",
 )  # fmt: skip
 """Searches that are compared at equal budgets."""
 

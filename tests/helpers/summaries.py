@@ -52,6 +52,7 @@ def picked(
     optimiser: MethodSummary | None,
     free: MethodSummary | None = None,
     fixed: MethodSummary | None = None,
+    **others: Any,
 ) -> Featured:
-    """Featured methods of a case without a published motion."""
-    return Featured(search, optimiser, free, fixed, None)
+    """Featured methods of a case without a published motion; `others` are further fields, such as `modern`."""
+    return Featured(search, optimiser, free, fixed, None, **others)

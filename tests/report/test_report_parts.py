@@ -11,7 +11,7 @@ import pytest
 
 from study.analysis import formatting
 from study.analysis.case_summary import CaseSummary, on_curve, summarise_case
-from study.analysis.featured import featured
+from study.analysis.featured import featured, group_of
 from study.analysis.ladder import CauseKind, breakdown_of
 from study.analysis.methods import Kind, Standing
 from study.analysis.sentences import answer, case_answer
@@ -111,7 +111,8 @@ def test_the_answer_of_one_case_names_methods_and_times() -> None:
     best = picked(search, plain, fixed=method_of(Kind.DETERMINISTIC, 8.0, Freedom.PATH, label="along"))
     first, _, last = case_answer(best)
     assert first.startswith(
-        "Yes: on the same curve the best metaheuristic (`swarm`) takes 10.1000\u00a0s and the deterministic `plain`"
+        "Yes: against a plain deterministic optimiser on the same curve, the best of the papers' searches (`swarm`) takes "
+        "10.1000\u00a0s and the deterministic `plain`"
     )
     assert "1.00\u00a0% more time (median over 3 seeds; its best seed 1.00\u00a0% less time)" in first
     assert (
@@ -119,6 +120,59 @@ def test_the_answer_of_one_case_names_methods_and_times() -> None:
         == "Against the optimum on the curve, along a fixed path `along` takes 20.0\u00a0% less time (8.0000\u00a0s)."
     )
     assert case_answer(picked(None, None)) == ()
+
+
+def test_the_papers_own_their_best_and_modern_searches_are_said_apart() -> None:
+    plain = method_of(Kind.DETERMINISTIC, 10.0)
+    own, search = (method_of(Kind.SEARCH, time, evaluations=500) for time in (12.0, 11.0))
+    modern = method_of(Kind.SEARCH, 10.0, wall_time=2.0)
+    first, second, third, cost, *_ = answer([picked(search, plain, modern=modern, own=own)])
+    assert first.startswith("No, but a modern metaheuristic is level: against")
+    assert "the best modern search is level in 1 of 1 case; it takes the same time to within 0.01\u00a0%" in first
+    assert second.startswith(
+        "The best of the papers' searches is behind in 1 of 1 case; it takes 10.0\u00a0% more time"
+    )
+    assert third.startswith("The paper's own method is behind in 1 of 1 case; it takes 20.0\u00a0% more time")
+    assert "500 to 2\u202f000 curve evaluations" in cost
+    assert "the best modern search in 2\u00a0s" in cost
+    behind = picked(search, plain, modern=method_of(Kind.SEARCH, 10.1), own=own)
+    assert answer([picked(search, plain, modern=modern), behind])[0].startswith("No: against")
+
+
+def test_the_paper_s_own_method_is_not_said_twice() -> None:
+    swarm = method_of(Kind.SEARCH, 11.0)
+    sentences = answer([picked(swarm, method_of(Kind.DETERMINISTIC, 10.0), own=swarm)])
+    assert sum("11.0" in text or "10.0" in text for text in sentences) == 1
+
+
+def test_how_far_the_choice_of_the_best_flatters_it_is_told() -> None:
+    lucky = method_of(Kind.SEARCH, 10.0, best=9.0, label="a")  # 9, 10, 11 s of the seeds 0, 1, 2
+    steady = method_of(Kind.SEARCH, 10.2, label="b")
+    best = featured([lucky, steady, method_of(Kind.DETERMINISTIC, 8.0)])
+    assert best.search is lucky
+    # the even seeds choose `a` (median 10), which the odd one times at 10 s; the odd seed chooses `a` too: 9 and 11 s
+    assert best.flattery == pytest.approx(0.0)
+    other = method_of(Kind.SEARCH, 9.9, best=9.9, label="c")
+    unlucky = replace(other, results=(*other.results[:1], run_of("c", 30.0, 1), run_of("c", 9.0, 2)))
+    # the even seeds choose `c` (9.45), timed at 30 s; the odd seed chooses `a`, timed at 9 and 11 s: median 11 of 9.9
+    assert featured([unlucky, lucky]).flattery == pytest.approx(11.0 / 9.9 - 1)
+    assert "at most 11.1\u00a0%" in answer([featured([unlucky, lucky, method_of(Kind.DETERMINISTIC, 8.0)])])[-1]
+    assert featured([replace(lucky, results=lucky.results[:1])]).flattery is None
+
+
+def test_searches_of_no_paper_stand_apart() -> None:
+    evolution, swarm = method_of(Kind.SEARCH, 1.0, label="cma-es:scaled"), method_of(Kind.SEARCH, 2.0, label="pso")
+    best = featured([evolution, swarm], own="pso")
+    assert (best.modern, best.search, best.own) == (evolution, swarm, swarm)
+    floor, plain = method_of(Kind.SEARCH, 3.0, label="random-search"), method_of(Kind.DETERMINISTIC, 1.0)
+    groups = [group_of(method, best.own) for method in (evolution, swarm, method_of(Kind.SEARCH, 1.0), floor, plain)]
+    assert groups == [
+        "modern search",
+        "the paper's own method",
+        "papers' search",
+        "trivial or local search",
+        plain.kind,
+    ]
 
 
 def test_one_seed_has_no_median() -> None:
