@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -13,19 +13,20 @@ import numpy as np
 from study.cases.own_demands import demands_of, segments_between, tightest
 from study.cases.own_file import OwnCase, OwnDirections, OwnRates
 from study.cases.own_waypoints import (
-    dropped_rates,
-    leading_columns,
+    chosen_columns,
     moved_segments,
     placed,
     refuse_outside,
     tidied_demands,
     unlimited_joints,
+    unused_columns,
 )
 from study.cases.paper_file import SI
 from study.datafiles import checked
 from study.errors import StudyError, plural
-from study.io.limits import LimitFile, OneJoint, read_limits
-from study.io.recordings import read_samples
+from study.io.documents import parsed
+from study.io.limits import OneJoint, read_limits
+from study.io.recordings import holds_samples, read_samples
 from study.io.samples import Samples
 from study.limits import OPTIONAL
 from study.planning import usual_curve
@@ -33,8 +34,6 @@ from study.problem import EndCondition, Floats, JointLimits, Problem
 from study.robots import robot_named
 
 _RATES = ("velocity", "acceleration", "jerk")
-UNIT_IN_NAME = re.compile(rf"[\[(]({'|'.join(SI)})[\])]\s*$")
-"""Unit in a column's name, as in `elbow [deg]`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,12 +91,13 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
     file = checked(OwnCase, content, where)
     rows = read_samples(path.parent / file.waypoints) if isinstance(file.waypoints, str) else None
     limit_files = [file.limits.files] if isinstance(file.limits.files, str) else file.limits.files
-    limits = _merged([read_limits(path.parent / name) for name in limit_files])
+    limits = read_limits(*(path.parent / name for name in limit_files))
     read, warnings = limits.joints, [*limits.notes]
     if rows is not None:
-        rows, notes = leading_columns(rows, limits.followers)
-        warnings += [f"{file.waypoints}: {note}" for note in (*rows.notes, *notes, *dropped_rates(file, rows))]
+        rows = chosen_columns(file, rows, limits)
     names = _names(file, rows, read, where)
+    if rows is not None:
+        warnings += [f"{file.waypoints}: {note}" for note in (*rows.notes, *unused_columns(file, rows, names))]
     table = rows.of(names, where).positions if rows else np.array(_rectangle(file.waypoints, where), dtype=float)
     if len(table) == 1:
         raise StudyError(f"{where}: there is only one waypoint; a motion needs at least two")
@@ -156,25 +156,50 @@ def _duration_bounds(file: OwnCase) -> tuple[float, float] | None:
     return (bounds.lower, bounds.upper) if bounds else None
 
 
-def bare_content(path: Path, units: str | None, limits: Sequence[Path]) -> dict[str, Any]:
-    """Content of a case file for a file of waypoints alone, with limits from other files."""
-    if not limits:
-        raise StudyError(
-            f"file {path.name!r} holds waypoints only; add --limits with a joint_limits.yaml or a URDF, or write a case "
-            "file, see `study init`"
-        )
-    content: dict[str, Any] = {"waypoints": path.name, "limits": {"from": [str(file.resolve()) for file in limits]}}
+def bare_content(
+    path: Path, units: str | None, limits: Sequence[Path], joints: str | None = None
+) -> dict[str, Any] | None:
+    """Content of a case file for waypoints alone, or for a case without limits, with what is said beside the file.
+
+    Parameters
+    ----------
+    path : Path
+    units, joints : str, optional
+        One for all or a list with commas; names of the joints that are planned.
+    limits : sequence of Path
+
+    Returns
+    -------
+    dict of str to object, or None
+        None for a case that says everything itself.
+
+    Raises
+    ------
+    StudyError
+        If limits are missing, or are given besides those of a case.
+    """
+    if holds_samples(path):
+        if not limits:
+            raise StudyError(
+                f"file {path.name!r} holds waypoints only; add --limits with a joint_limits.yaml or a URDF, or write a case "
+                "file, see `study init`"
+            )
+        content: dict[str, Any] = {"waypoints": path.name}
+    elif limits or units or joints:
+        given = parsed(path) if path.suffix.lower() in (".yaml", ".yml", ".json") else None
+        content = dict(given) if isinstance(given, dict) else {}
+        if content and not content.keys() & {"waypoints", "limits"}:
+            keys = ", ".join(map(str, list(content)[:8]))
+            raise StudyError(f"file {path.name!r} holds neither waypoints nor a trajectory; its keys are {keys}")
+        if "waypoints" not in content or (set(content) & {"limits", *(("units",) if units else ())}):
+            raise StudyError(
+                f"--limits, --units and --joints go with waypoints alone; {str(path)!r} is a case, which says all three itself"
+            )
+    else:
+        return None
+    content |= {"limits": {"from": [str(file.resolve()) for file in limits]}}
+    content |= {} if joints is None else {"joints": [name.strip() for name in joints.split(",")]}
     return content if units is None else content | {"units": units.split(",") if "," in units else units}
-
-
-def _merged(files: Sequence[LimitFile]) -> LimitFile:
-    joints: dict[str, OneJoint] = {}
-    for file in files:
-        for name, joint in file.joints.items():
-            joints[name] = joint.over(joints.get(name, OneJoint()))
-    followers = {name: master for file in files for name, master in file.followers.items()}
-    notes = [note for file in files for note in file.notes]
-    return LimitFile({name: joint for name, joint in joints.items() if name not in followers}, followers, tuple(notes))
 
 
 def _rectangle(rows: Any, where: str) -> list[list[float]]:
@@ -204,7 +229,11 @@ def _names(file: OwnCase, rows: Samples | None, read: Mapping[str, OneJoint], wh
         raise StudyError(f"{where}: two joints have the same name: {', '.join(names)}; rename one")
     absent = [name for name in names if name not in read] if read else []
     if absent and not file.limits.velocity and not file.limits.acceleration and not file.limits.jerk:
-        raise StudyError(f"{where}: no limits for joint {absent[0]!r}; the files of limits know {', '.join(read)}")
+        near = get_close_matches(absent[0], set(read) - set(names), n=1, cutoff=0.7)
+        raise StudyError(
+            f"{where}: no limits for joint {absent[0]!r}; the files of limits know {', '.join(read)}"
+            + (f"; did you mean {near[0]!r}?" if near else "; name the joints to be planned under 'joints' or --joints")
+        )
     return names or tuple(f"joint {k + 1}" for k in range(width))
 
 
@@ -213,6 +242,9 @@ def _units(
 ) -> list[Any]:
     if file.units is None:
         own = any(getattr(file.limits, field) is not None for field in (*_RATES, "position"))
+        said = rows.of(names, where).units if rows and not own else ()
+        if said and all(said):
+            return list(said)
         if own or rows is None or not rows.si:
             raise StudyError(f"{where}: field 'units' is missing; state rad or deg, or m or mm for joints that slide")
         return ["m" if name in read and read[name].sliding else "rad" for name in names]
@@ -221,10 +253,13 @@ def _units(
         raise StudyError(
             f"{where}: {plural(len(units), 'unit')} for {plural(width, 'joint')}; give one for all or one for each"
         )
-    for name, unit in zip(names, units, strict=False):
-        said = UNIT_IN_NAME.search(name)
-        if said and said[1] != unit:
-            raise StudyError(f"{where}: column {name!r} is in {said[1]}, but 'units' says {unit}; make the two agree")
+    said = rows.of(names, where).units if rows else ()
+    for name, unit, other in zip(names, units, said, strict=False):
+        if other not in ("", unit):
+            raise StudyError(
+                f"{where}: column '{name} [{other}]' is in {other}, but 'units' says {unit}; make the two agree"
+            )
+    for name, unit in zip(names, units, strict=True):
         sliding = read[name].sliding if name in read else None
         if sliding is not None and sliding != (SI[unit][0] == "m"):
             kind = "slides, so its unit is m or mm" if sliding else "turns, so its unit is rad or deg"

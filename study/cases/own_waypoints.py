@@ -12,7 +12,7 @@ from study.cases.own_demands import tightest
 from study.cases.own_file import OwnCase
 from study.cases.paper_file import SI
 from study.errors import StudyError
-from study.io.limits import OneJoint
+from study.io.limits import LimitFile, OneJoint
 from study.io.samples import Samples
 from study.io.waypoints import Tidied, tidied, unwound, within
 from study.problem import Floats, JointLimits, Problem
@@ -20,23 +20,50 @@ from study.problem import Floats, JointLimits, Problem
 RECORDED = 20
 """More waypoints than this were recorded, not chosen: with a tolerance, those that say nothing new are left out."""
 
-
-def leading_columns(rows: Samples, followers: Mapping[str, str]) -> tuple[Samples, list[str]]:
-    """Keep the columns of joints that follow no other; those that do are left out, with a note."""
-    led = [name for name in rows.names if name in followers and followers[name] in rows.names]
-    if not led:
-        return rows, []
-    notes = [f"not used: column {name!r}, which follows {followers[name]!r}" for name in led]
-    return rows.of([name for name in rows.names if name not in led], "the file"), notes
+STILL = 1e-6
+"""Span of a recorded joint, in the file's units, below which it stands still."""
 
 
-def dropped_rates(file: OwnCase, rows: Samples) -> list[str]:
-    """Say that rates of a recording are not used; at the ends they may be meant."""
+def chosen_columns(file: OwnCase, rows: Samples, limits: LimitFile) -> Samples:
+    """Columns of a recording that are planned, with a note for each that is not.
+
+    Left out are joints that follow another one, and, unless the case names its joints, those that stand still and have no
+    limits in any file. Numbered columns are taken in their order.
+    """
+    read, owned = (
+        limits.joints,
+        file.joints or [file.limits.velocity, file.limits.acceleration, file.limits.jerk] != [None] * 3,
+    )
+    if file.joints or read:
+        rows = rows.numbered(file.joints or read)
+    notes, left = list[str](), set[str]()
+    for name, span in zip(rows.names, np.ptp(rows.positions, axis=0), strict=bool(rows.names)):
+        if limits.followers.get(name) in rows.names:
+            notes.append(f"not used: column {name!r}, which follows {limits.followers[name]!r}")
+        elif read and not owned and name not in read and span <= STILL:
+            notes.append(f"not used: column {name!r}, which stands still and has no limits")
+        else:
+            continue
+        left.add(name)
+    if left and len(left) < len(rows.names):
+        return rows.of([name for name in rows.names if name not in left], "the file").noting(*notes)
+    if not rows.names and not file.joints and len(read) == rows.positions.shape[1]:
+        return rows.noting(f"the columns were taken in the order of the limits: {', '.join(read)}")
+    return rows
+
+
+def unused_columns(file: OwnCase, rows: Samples, names: Sequence[str]) -> list[str]:
+    """Say which columns and that rates of a recording are not used; at the ends rates may be meant."""
+    left = [repr(name) for name in rows.names if name not in names]
+    notes = [f"not used: column {', '.join(left)}, not among the joints"] if left else []
     if rows.velocities is None and rows.accelerations is None:
-        return []
+        return notes
     moving = rows.velocities is not None and (np.abs(rows.velocities[[0, -1]]) > 1e-6).any()
     hint = "; it begins or ends in motion: for that give 'start' or 'finish'"
-    return ["times and rates are not used, only positions" + hint * bool(moving and not (file.start or file.finish))]
+    return [
+        *notes,
+        "times and rates are not used, only positions" + hint * bool(moving and not (file.start or file.finish)),
+    ]
 
 
 def placed(

@@ -38,12 +38,14 @@ def limits_alone(samples: Samples, files: Sequence[Path], units: str | None, whe
     StudyError
         If a file cannot be read, or a joint of the samples has no limits in any of them.
     """
-    read, warnings = _merged_limits(files)
+    limits = read_limits(*files)
+    read, warnings = limits.joints, [*limits.notes]
+    samples = samples.numbered(read)
     width = samples.positions.shape[1]
     names = [name for name in samples.names if name in read] or (list(read) if len(read) == width else [])
     if not names:
         raise StudyError(f"{where}: none of its joints has limits; the files of limits know {', '.join(read)}")
-    left = [name for name in samples.names if name not in names]
+    left = [name for name in samples.names if name not in names and name not in limits.followers]
     warnings += [f"not judged: joint {', '.join(map(repr, left))}, which no file of limits knows"] if left else []
     known = [read[name] for name in names]
     sliding = tuple("m" if joint.sliding else "rad" for joint in known)
@@ -71,17 +73,6 @@ def limits_alone(samples: Samples, files: Sequence[Path], units: str | None, whe
         notes=(),
         warnings=tuple(warnings),
     )
-
-
-def _merged_limits(files: Sequence[Path]) -> tuple[dict[str, OneJoint], list[str]]:
-    """Limits of every joint that a file knows, later files winning, and what the files say besides."""
-    read: dict[str, OneJoint] = {}
-    notes: list[str] = []
-    for file in files:
-        limits = read_limits(file)
-        notes += limits.notes
-        read |= {name: joint.over(read.get(name, OneJoint())) for name, joint in limits.joints.items()}
-    return read, notes
 
 
 def _column(known: Sequence[OneJoint], name: str) -> Floats:
@@ -114,6 +105,8 @@ def motion_of(samples: Samples, case: Case, units: str | None, where: str) -> Sa
 def _in_order(samples: Samples, n_joints: int, where: str) -> Samples:
     """Columns without the names of joints: time, unless it is known, then positions, velocities and accelerations."""
     table, times = samples.positions, samples.times
+    if times is not None and table.shape[1] == n_joints:
+        return samples
     if times is None:
         table, times = table[:, 1:], table[:, 0]
     orders = table.shape[1] // n_joints

@@ -16,7 +16,7 @@ from study.cases.obstacles import may_be_driven, nearest
 from study.cases.recorded import limits_alone, motion_of, with_room
 from study.cautions import cautions, ends_said
 from study.cli import terminal
-from study.cli.inputs import LimitFiles, load_any
+from study.cli.inputs import Joints, LimitFiles, load_any
 from study.cli.screen import make_console
 from study.cli.shared import INFEASIBLE
 from study.errors import StudyError, plural
@@ -51,6 +51,7 @@ def check(
         typer.Option(help="Of positions in a file that does not say them: rad, deg, m or mm, or one for each joint."),
     ] = None,
     limits: LimitFiles = None,
+    joints: Joints = None,
     interpolation: Annotated[
         Interpolation | None,
         typer.Option(help="How a controller joins the samples of a trajectory; by default as ros2_controllers does."),
@@ -63,7 +64,7 @@ def check(
     console = make_console()
     samples = None if _exact(file) or not (case or holds_samples(file)) else read_samples(file)
     if case is None and not _exact(file) and (samples is None or not _timed(samples, interpolation)):
-        _explain(_case(file, units, limits or []), console)
+        _explain(_case(file, units, limits or [], joints), console)
         return
     if case is not None and limits:
         raise StudyError("give --case or --limits, not both: a case has its own limits")
@@ -134,13 +135,13 @@ def _judge_samples(
     return report_verdict(case, through.trajectory, through.method, console, tolerance) and not at_samples
 
 
-def _case(file: Path, units: str | None, limits: Sequence[Path]) -> Case:
+def _case(file: Path, units: str | None, limits: Sequence[Path], joints: str | None) -> Case:
     if not limits and (holds_samples(file) or file.suffix.lower() not in (".yaml", ".yml", ".json")):
         raise StudyError(
             f"file {str(file)!r} is no case (YAML or JSON); if it holds waypoints alone, add --limits, and if it holds a "
             "trajectory, name the case that it solves with --case"
         )
-    return load_any(file, units, limits)
+    return load_any(file, units, limits, joints)
 
 
 def warn(case: Case, console: Console) -> None:

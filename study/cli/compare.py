@@ -13,11 +13,10 @@ from rich.console import Console
 
 from study.analysis.case_summary import summarise
 from study.api import COMPARED
-from study.cases.library import Case, case_names, load_case
+from study.cases.library import Case, case_names, load_case, own_case
 from study.cases.obstacles import may_be_driven, nearest
-from study.cases.own_case import bare_content
 from study.cli.check import warn
-from study.cli.inputs import LimitFiles, Rate, Wishes, load_any
+from study.cli.inputs import Cycle, Duration, Joints, LimitFiles, Points, Rate, Speed, Wishes, content_of, load_any
 from study.cli.own import FORMS, Accept, Units, no_motion, save_motion, trajectory_file
 from study.cli.screen import complain, make_console
 from study.cli.shared import (
@@ -35,7 +34,6 @@ from study.cli.shared import (
 from study.errors import StudyError
 from study.files import write_file
 from study.io.filenames import file_stem
-from study.io.recordings import holds_samples
 from study.registry import unavailable_planners
 from study.runs.environment import environment
 from study.runs.execute import cell_jobs, stored_results
@@ -63,10 +61,15 @@ def compare(
     time_limit: Annotated[float, typer.Option(help="Seconds after which a planner is interrupted.")] = 20.0,
     jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
     out: Out = DEFAULT_OUT,
+    duration: Duration = None,
+    speed: Speed = None,
+    cycle: Cycle = None,
+    points: Points = None,
     rate: Rate = None,
     report: Annotated[bool, typer.Option(help="Write the report and the recording.")] = True,
     limits: LimitFiles = None,
     units: Units = None,
+    joints: Joints = None,
     cases: Annotated[
         list[str] | None,
         typer.Option(help="Without FILE: names of cases, separated by commas; the papers' five by default."),
@@ -85,16 +88,19 @@ def compare(
     invariance audit, ablations and the papers' claims; what is stored is not run again.
     """
     workers = Workers.of(jobs, fresh, memory, dask)
+    wishes = Wishes(duration, speed, cycle, rate, points)
     if file is None:
+        if wishes != Wishes():
+            raise StudyError("--duration, --speed, --cycle, --points and --rate go with FILE")
         _compare_papers(cases, out, full, seeds, workers)
         return
     if cases or full:
         raise StudyError("--cases and --full go with a comparison of the papers' searches, which takes no FILE")
     seeds = 3 if seeds is None else seeds
-    wishes, console = Wishes(rate=rate), make_console()
-    case = load_any(file, units, limits or [])
+    console, content = make_console(), content_of(file, wishes, units, limits or [], joints)
+    case = load_any(file) if content is None else own_case(content, file)
     warn(case, console)
-    source = str(file.resolve()) if not holds_samples(file) else _kept_case(case, file, units, limits or [], out)
+    source = str(file.resolve()) if content is None else _kept_case(case, file, content, out)
     cells = make_cells([case], _compared(planners), Budget(seeds, evaluations, time_limit))
     with Store(out / STORE_NAME) as store:
         remember_lineup(store, cells, {case.name: source})
@@ -184,9 +190,17 @@ def _duration(result: Result) -> float:
     return result.verdict.duration if result.verdict else float("inf")
 
 
-def _kept_case(case: Case, file: Path, units: str | None, limits: Sequence[Path], out: Path) -> str:
-    """Write down what a bare file came to, so that `study report` can load it again."""
-    content = bare_content(file, units, limits) | {"name": case.name, "waypoints": str(file.resolve())}
+def _kept_case(case: Case, file: Path, content: dict[str, Any], out: Path) -> str:
+    """Write down what file and options came to, so that `study report` can load it again from anywhere."""
+
+    def absolute(name: Any) -> Any:
+        return str((file.parent / name).resolve()) if isinstance(name, str) and Path(name).suffix else name
+
+    limits = dict(content["limits"])
+    files = limits.get("from", [])
+    limits |= {"from": [absolute(name) for name in ([files] if isinstance(files, str) else files)]}
+    kept = content | {"name": case.name, "limits": limits}
+    kept |= {key: absolute(content[key]) for key in ("waypoints", "robot") if key in content}
     path = out / "cases" / f"{file_stem(case.name)}.json"
-    write_file(path, json.dumps(content, indent=1) + "\n")
+    write_file(path, json.dumps(kept, indent=1) + "\n")
     return str(path.resolve())

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from study.cases.library import Case, load_case, own_case
+from study.cases.library import PAPERS_OWN, Case, load_case, own_case
 from study.cases.own_case import bare_content
 from study.errors import StudyError
-from study.io.recordings import holds_samples
+from study.io.documents import parsed
 from study.io.sampling import Sampling
 from study.problem import Problem, Timing
 
@@ -21,6 +21,9 @@ LimitFiles = Annotated[
     typer.Option(
         "--limits", help="For waypoints or a trajectory alone: MoveIt joint_limits.yaml or URDF; may be given twice."
     ),
+]
+Joints = Annotated[
+    str | None, typer.Option(help="For waypoints alone: names of the joints to be planned, separated by commas.")
 ]
 Duration = Annotated[float | None, typer.Option(help="Seconds that the motion takes; it is slowed down to them.")]
 Speed = Annotated[float | None, typer.Option(help="Share of the full speed, above 0 and at most 1.")]
@@ -85,12 +88,24 @@ class Wishes:
         return replace(problem, timing=Timing(exactly, at_least, self.cycle or old.cycle))
 
 
-def load_any(file: Path, units: str | None = None, limits: Sequence[Path] = ()) -> Case:
+def load_any(file: Path, units: str | None = None, limits: Sequence[Path] = (), joints: str | None = None) -> Case:
     """Load a case, or waypoints alone with limits from other files; a name of the study's own cases will do too."""
-    if holds_samples(file):
-        return own_case(bare_content(file, units, limits), file)
-    if limits or units:
-        raise StudyError(
-            f"--limits and --units go with a file of waypoints alone; {str(file)!r} is a case, which says both itself"
-        )
-    return load_case(file if file.suffix else str(file))
+    content = bare_content(file, units, limits, joints)
+    return load_case(file if file.suffix else str(file)) if content is None else own_case(content, file)
+
+
+def content_of(
+    file: Path, wishes: Wishes, units: str | None, limits: Sequence[Path], joints: str | None
+) -> dict[str, Any] | None:
+    """Content of a case of one's own with everything that options say besides; None where they say nothing of the problem."""
+    content, said = bare_content(file, units, limits, joints), (wishes.duration, wishes.speed, wishes.cycle)
+    if said == (None, None, None):
+        return content
+    if content is None:
+        given = parsed(file) if file.suffix.lower() in (".yaml", ".yml", ".json") else None
+        if not isinstance(given, dict) or PAPERS_OWN & given.keys():
+            raise StudyError(f"--duration, --speed and --cycle go with a case of your own; {str(file)!r} is a paper's")
+        content = given
+    speed = None if wishes.speed is None else wishes.speed * content.get("speed", 1.0)
+    own = {"duration": wishes.duration, "speed": speed, "cycle": wishes.cycle}
+    return content | {key: value for key, value in own.items() if value is not None}

@@ -15,7 +15,7 @@ from study.api import plan as plan_motion
 from study.cases.library import Case
 from study.cli.check import SAMPLED, report_verdict, warn
 from study.cli.example import EXAMPLE
-from study.cli.inputs import Cycle, Duration, LimitFiles, Points, Rate, Speed, Wishes, load_any
+from study.cli.inputs import Cycle, Duration, Joints, LimitFiles, Points, Rate, Speed, Wishes, load_any
 from study.cli.screen import complain, make_console
 from study.cli.shared import DEFAULT_OUT, INFEASIBLE, Out
 from study.files import write_file
@@ -71,11 +71,12 @@ def plan(
     time_limit: Annotated[float, typer.Option(help="Seconds for each planner.")] = 60.0,
     limits: LimitFiles = None,
     units: Units = None,
+    joints: Joints = None,
     accept: Accept = False,
 ) -> None:
     """Plan one motion, have it judged and write it; ends with 3 where no feasible motion was found."""
     wishes, console = Wishes(duration, speed, cycle, rate, points), make_console()
-    case = wishes.on(load_any(file, units, limits or []))
+    case = wishes.on(load_any(file, units, limits or [], joints))
     for path in save or []:
         form_of(path)  # a wrong name is told before the work, not after it
     [spec] = parse_specs(planner) if planner != "auto" else [None]

@@ -232,18 +232,23 @@ def _waypoints_table(case: Case) -> Table:
     return table
 
 
+def _rate_text(low: float, high: float, unit: str) -> str:
+    """Limits of a rate, in both directions where they differ."""
+    if low == -high:
+        return f"{high:g} {unit}" if np.isfinite(high) else "none"
+    return " to ".join(f"{end:g}" if np.isfinite(end) else "none" for end in (low, high)) + f" {unit}"
+
+
 def _limits_table(case: Case) -> Table:
     table = Table(title="Limits", title_justify="left", header_style="bold")
     table.add_column("")
     for name in case.problem.joint_names:
         table.add_column(name, justify="right")
     units = ("/s", "/s²", "/s³")
-    for name, unit, limits in zip(RATES, units, case.problem.limits.rates, strict=True):
-        values = [
-            f"{value:g} {of}{unit}" if np.isfinite(value) else "none"
-            for value, of in zip(limits, case.units, strict=True)
-        ]
-        table.add_row(name, *values)
+    robot = case.problem.limits
+    for name, unit, lows, highs in zip(RATES, units, robot.lowest_rates, robot.highest_rates, strict=True):
+        both = zip(lows.tolist(), highs.tolist(), case.units, strict=True)
+        table.add_row(name, *(_rate_text(low, high, of + unit) for low, high, of in both))
     for name, ends in (("lowest position", case.problem.limits.lower), ("highest position", case.problem.limits.upper)):
         if np.isfinite(ends).any():
             values = [f"{v:g} {of}" if np.isfinite(v) else "none" for v, of in zip(ends, case.units, strict=True)]

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from study.errors import StudyError
+from study.errors import StudyError, plural
 from study.files import read_file
 from study.io.columns import sampled_columns
 from study.io.samples import Samples
 from study.problem import Floats
 
-POSITIONS = ("position", "positions", "q", "qpos", "waypoints", "joint_positions", "observation.state")
+POSITIONS = dict.fromkeys(
+    ("position", "positions", "q", "qpos", "waypoints", "joint_positions", "observation.state")
+).keys()
 TIMES = ("time", "times", "t", "timestamp", "timestamps")
 VELOCITIES = ("velocity", "velocities", "qd", "qvel", "joint_velocities")
 ACCELERATIONS = ("acceleration", "accelerations", "qdd")
 NAMES = ("joint_names", "names", "joints")
+EXACT = ("knots", "coefficients", "time_coefficients", "position_coefficients", "waypoint_times", "jerk")
+"""Arrays of a motion that `study.io.export` writes beside its samples."""
 
 
 def samples_from_numpy(path: Path) -> Samples:
@@ -29,7 +34,7 @@ def samples_from_numpy(path: Path) -> Samples:
     StudyError
         If the file is no such archive, holds Python objects, or has no array of positions.
     """
-    return _from_arrays(load_arrays(path), f"file {path.name!r}")
+    return samples_from_arrays(load_arrays(path), f"file {path.name!r}")
 
 
 def load_arrays(path: Path) -> dict[str, Any]:
@@ -50,24 +55,44 @@ def load_arrays(path: Path) -> dict[str, Any]:
         raise StudyError(f"file {path.name!r} is no NumPy file of numbers: {error}") from None
 
 
-def _from_arrays(arrays: dict[str, Any], where: str) -> Samples:
-    def first(names: tuple[str, ...]) -> Any:
-        return next((arrays[name] for name in names if name in arrays), None)
+def samples_from_arrays(arrays: Mapping[str, Any], where: str) -> Samples:
+    """Read positions, times, rates, names and units from arrays or lists under the names that programs give them.
+
+    Raises
+    ------
+    StudyError
+        If there are no positions, or an array is not of numbers or of another shape than they are.
+    """
+    used = set()
+
+    def first(names: Iterable[str]) -> Any:
+        name = next((name for name in names if name in arrays), None)
+        used.add(name)
+        return None if name is None else arrays[name]
 
     positions = first(POSITIONS)
     if positions is None:
-        raise StudyError(f"{where} has no array of positions ({', '.join(POSITIONS[:4])}); it has {', '.join(arrays)}")
-    known = {*POSITIONS, *TIMES, *VELOCITIES, *ACCELERATIONS, *NAMES}
-    unused = [name for name in arrays if name not in known and not name.endswith("coefficients")]
+        known = ", ".join(list(POSITIONS)[:4])
+        raise StudyError(f"{where} has no array of positions ({known}); it has {', '.join(arrays)}")
     table = _matrix(positions, where, None)
-    names, times = first(NAMES), first(TIMES)
+    names, times, units = first(NAMES), first(TIMES), first(("units",))
+    velocities, accelerations = first(VELOCITIES), first(ACCELERATIONS)
+    ours = {*EXACT, "waypoints"} if "waypoint_times" in arrays else set()
+    unused = [str(name) for name in arrays if name not in used | ours]
+    titles, listed = (tuple(map(str, np.ravel([] if part is None else part))) for part in (names, units))
+    for part, noun in ((titles, "joint name"), (listed * (len(listed) > 1), "unit")):
+        if part and len(part) != table.shape[1]:
+            raise StudyError(
+                f"{where} has {plural(len(part), noun)} for {plural(table.shape[1], 'column')} of positions"
+            )
     return Samples(
         positions=table,
-        names=() if names is None else tuple(str(name) for name in np.ravel(names)),
+        names=titles,
         times=None if times is None else _matrix(times, where, (len(table),)),
-        velocities=None if (v := first(VELOCITIES)) is None else _matrix(v, where, table.shape),
-        accelerations=None if (a := first(ACCELERATIONS)) is None else _matrix(a, where, table.shape),
+        velocities=None if velocities is None else _matrix(velocities, where, table.shape),
+        accelerations=None if accelerations is None else _matrix(accelerations, where, table.shape),
         notes=(f"not used: array {', '.join(map(repr, unused[:8]))}",) if unused else (),
+        units=listed * table.shape[1] if len(listed) == 1 else listed,
     )
 
 
@@ -107,7 +132,7 @@ def samples_from_parquet(path: Path) -> Samples:
     if "observation.state" in columns:
         arrays = {name: columns[name] for name in ("observation.state", "timestamp") if name in columns}
         unused = [name for name in columns if name not in arrays]
-        samples = _from_arrays(arrays, where)
+        samples = samples_from_arrays(arrays, where)
         return samples.noting(f"not used: column {', '.join(map(repr, unused[:8]))}") if unused else samples
     numeric = [name for name, values in columns.items() if all(isinstance(value, int | float) for value in values)]
     if not numeric or not len(table):

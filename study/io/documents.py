@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterator
 from functools import cache, lru_cache
 from pathlib import Path
@@ -17,6 +18,9 @@ MOST_STANDING = 1_000_000
 
 DEEPEST = 100
 """Levels of lists and mappings in one another that are read."""
+
+LINES = re.compile(r"\s*\{.*\}[ \t]*\r?\n\s*\{.*\}\s*(\n|$)")
+"""A document that is whole at the end of the first line, and another one after it."""
 
 
 def parsed(path: Path) -> Any:
@@ -34,7 +38,7 @@ def parsed(path: Path) -> Any:
 
 
 def documents(path: Path) -> list[Any]:
-    """Parse a YAML file, in which empty documents do not count, or a JSON file.
+    """Parse a YAML file, in which empty documents do not count, a JSON file, or one of JSON lines.
 
     Parameters
     ----------
@@ -51,8 +55,12 @@ def documents(path: Path) -> list[Any]:
         If the file is neither, a key stands twice in a mapping, aliases of YAML stand for too much, lists lie too deep in one another, or the
         package that reads YAML is missing.
     """
-    text, where = read_text(path), f"file {str(path)!r}"
-    return [_from_json(text, where)] if path.suffix.lower() == ".json" else list(_from_yaml(text, where))
+    text, where, ending = read_text(path), f"file {str(path)!r}", path.suffix.lower()
+    if ending in (".jsonl", ".ndjson") or (ending == ".json" and LINES.match(text)):
+        return [
+            _from_json(line, f"{where}, line {n}") for n, line in enumerate(text.splitlines(), 1) if line.strip()
+        ] or [None]
+    return [_from_json(text, where)] if ending == ".json" else list(_from_yaml(text, where))
 
 
 def _from_json(text: str, where: str) -> Any:

@@ -8,19 +8,21 @@ moveit_msgs/msg/DisplayTrajectory.msg.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
-from study.errors import StudyError
+from study.errors import StudyError, plural
+from study.io.joint_trajectory import FIELDS, NANOSECONDS
 from study.io.samples import Samples
 from study.io.table import number, table
 from study.problem import Floats
 
-NANOSECONDS = 1_000_000_000
-RATES = {"velocities": "velocity", "accelerations": "acceleration"}
-"""Fields of a trajectory's points, and of a joint state, where it has such."""
+KNOWN = {"header", "joint_names", "points", *FIELDS, "effort", "time_from_start"}
+"""Keys of a trajectory and of its points."""
 
 
 def samples_from_documents(contents: Sequence[Any], where: str) -> Samples | None:
@@ -39,7 +41,16 @@ def samples_from_documents(contents: Sequence[Any], where: str) -> Samples | Non
         If names or positions are missing or do not match, or parts of a trajectory name other joints.
     """
     if trajectories := list(_holding(contents, ("joint_names", "points"))):
-        return _joined([_trajectory(content, where) for content in trajectories], where)
+        frames = [content for content in trajectories if _of_frames(content)]
+        filled = [
+            content
+            for content in trajectories
+            if content not in frames and (content["joint_names"] or content["points"])
+        ]
+        samples = _joined([_trajectory(content, where) for content in filled or trajectories[:1]], where)
+        return (
+            samples.noting("not used: the trajectory of joints with several degrees of freedom") if frames else samples
+        )
     states = list(_holding(contents, ("name", "position")))
     return _states(states, where) if states and isinstance(states[0]["name"], list) else None
 
@@ -57,6 +68,12 @@ def _holding(content: Any, keys: tuple[str, str]) -> Iterator[Mapping[str, Any]]
                 yield from _holding(inner, keys)
 
 
+def _of_frames(content: Mapping[str, Any]) -> bool:
+    """Whether a trajectory moves frames and no joints, as multi_dof_joint_trajectory does."""
+    points = content["points"]
+    return isinstance(points, list) and any(isinstance(point, Mapping) and "transforms" in point for point in points)
+
+
 def _trajectory(content: Mapping[str, Any], where: str) -> Samples:
     names, points = content["joint_names"], content["points"]
     if not isinstance(names, list) or not names or not isinstance(points, list):
@@ -66,16 +83,20 @@ def _trajectory(content: Mapping[str, Any], where: str) -> Samples:
     for place, point in enumerate(points, start=1):
         if not isinstance(point, Mapping) or not isinstance(point.get("positions"), list):
             raise StudyError(f"{where}: point {place} has no list of positions")
-    rates = {field: _rates(points, field, len(names), where) for field in RATES}
     stamps = np.array([seconds(point.get("time_from_start"), where) for point in points])
-    efforts = any(point.get("effort") for point in points)
+    notes = ["not used: the efforts of the message"] if any(point.get("effort") for point in points) else []
+    for key in dict.fromkeys(str(key) for part in (content, *points) for key in part if key not in KNOWN):
+        near = get_close_matches(key, KNOWN, n=1, cutoff=0.8)
+        notes.append(f"not used: key {key!r} of the message" + (f"; did you mean {near[0]!r}?" if near else ""))
+    velocities, accelerations = (_rates(points, field, len(names), where, notes) for field in FIELDS[1:])
     return Samples(
         positions=_rows([point["positions"] for point in points], len(names), where),
         names=tuple(str(name) for name in names),
         si=True,
         times=stamps if stamps.any() else None,
-        notes=("not used: the efforts of the message",) if efforts else (),
-        **rates,
+        velocities=velocities,
+        accelerations=accelerations,
+        notes=tuple(notes),
     )
 
 
@@ -86,9 +107,17 @@ def _rows(rows: list[Any], width: int, where: str, what: str = "positions") -> F
     return table(rows, where)
 
 
-def _rates(points: Sequence[Any], field: str, width: int, where: str) -> Floats | None:
+def _rates(points: Sequence[Any], field: str, width: int, where: str, notes: list[str]) -> Floats | None:
     rows = [point.get(field) for point in points]
-    return _rows(rows, width, where, field) if all(isinstance(row, list) and row for row in rows) else None
+    if all(isinstance(row, list) and row for row in rows):
+        return _rows(rows, width, where, field)
+    given = [place for place, row in enumerate(rows, start=1) if row]
+    if given:
+        hint = ""
+        if field == FIELDS[1] and {1, len(points)} & set(given):
+            hint = "; for a motion that begins or ends moving give 'start' or 'finish'"
+        notes.append(f"not used: {field} of {plural(len(given), 'point')}, which not all points have{hint}")
+    return None
 
 
 def _joined(parts: list[Samples], where: str) -> Samples:
@@ -110,15 +139,24 @@ def _joined(parts: list[Samples], where: str) -> Samples:
         first.names,
         True,
         np.concatenate(times) if timed else None,
-        notes=(f"{len(parts)} trajectories were put one after the other, without their velocities",),
+        notes=(
+            *dict.fromkeys(note for part in parts for note in part.notes),
+            f"{len(parts)} trajectories were put one after the other, without their velocities",
+        ),
     )
 
 
 def _states(states: list[Mapping[str, Any]], where: str) -> Samples:
-    """Joint states one after the other; states of other joints are left out."""
-    names = [str(name) for name in states[0]["name"]]
-    same = [state for state in states if set(map(str, state["name"])) == set(names)]
-    notes = ["not used: joint states of other joints"] if len(same) < len(states) else []
+    """Joint states one after the other, of most joints that come together more than once; other states are left out."""
+    sets = [frozenset(map(str, state["name"])) for state in states]
+    counts = Counter(sets)
+    chosen = max(counts, key=lambda names: (counts[names] > 1, len(names), counts[names]))
+    same = [state for state, names in zip(states, sets, strict=True) if names == chosen]
+    others = sorted({name for names in counts if names != chosen for name in names})
+    left = plural(len(states) - len(same), "joint state")
+    notes = [f"not used: {left} of {', '.join(others)}"] if len(counts) > 1 else []
+    notes += ["not used: the efforts of the messages"] if any(state.get("effort") for state in same) else []
+    names = [str(name) for name in same[0]["name"]]
     rows, rates = [], []
     for place, state in enumerate(same, start=1):
         order = [list(map(str, state["name"])).index(name) for name in names]
@@ -129,6 +167,7 @@ def _states(states: list[Mapping[str, Any]], where: str) -> Samples:
         rates.append([rate[k] for k in order] if isinstance(rate, list) and len(rate) == len(names) else None)
     stamps = np.array([seconds((state.get("header") or {}).get("stamp"), where) for state in same])
     velocities = table(rates, where) if all(rate is not None for rate in rates) else None
+    notes += ["not used: velocities, which not all joint states have"] if velocities is None and any(rates) else []
     times = stamps - stamps[0] if stamps.any() else None
     return Samples(table(rows, where), tuple(names), True, times, velocities, notes=tuple(notes))
 

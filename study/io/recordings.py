@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from study.errors import StudyError
-from study.io.arrays_file import samples_from_numpy, samples_from_parquet
+from study.io.arrays_file import POSITIONS, samples_from_arrays, samples_from_numpy, samples_from_parquet
+from study.io.columns import sampled_columns
 from study.io.csv_file import samples_from_csv
 from study.io.documents import documents
 from study.io.messages import samples_from_documents
@@ -22,7 +24,9 @@ from study.io.text import read_text
 TABLES = (".csv", ".tsv", ".txt")
 ARRAYS = (".npy", ".npz")
 BAGS = (".bag", ".db3", ".mcap")
-DOCUMENTS = (".yaml", ".yml", ".json")
+DOCUMENTS = (".yaml", ".yml", ".json", ".jsonl", ".ndjson")
+MESSAGE = re.compile(r"^(header|name|joint_names|position|points|- header|goal|trajectory)\s*:", re.MULTILINE)
+"""Line of a message that was printed into a file of text."""
 
 
 def read_samples(path: Path) -> Samples:
@@ -31,8 +35,8 @@ def read_samples(path: Path) -> Samples:
     Parameters
     ----------
     path : Path
-        `.csv`, `.tsv`, `.txt`: a table with or without header; `.yaml`, `.yml`, `.json`: a list of rows, a
-        `trajectory_msgs/JointTrajectory` or `sensor_msgs/JointState`s at any depth; `.npy`, `.npz`: arrays; `.parquet`: a table
+        `.csv`, `.tsv`, `.txt`: a table with or without header; `.yaml`, `.yml`, `.json`, `.jsonl`, and `.txt` that a tool printed:
+        rows, columns by name, a `trajectory_msgs/JointTrajectory` or `sensor_msgs/JointState`s at any depth; `.npy`, `.npz`: arrays; `.parquet`: a table
         or a LeRobot episode; `.bag`, `.db3`, `.mcap`: a ROS bag; `.srdf#NAME,NAME`: group states of MoveIt.
 
     Raises
@@ -53,7 +57,7 @@ def read_samples(path: Path) -> Samples:
 
 def _read(path: Path) -> Samples:
     where, ending = f"file {path.name!r}", path.suffix.lower()
-    if ending in TABLES:
+    if ending in TABLES and not (ending == ".txt" and MESSAGE.search(read_text(path))):
         return samples_from_csv(read_text(path), where)
     if ending in ARRAYS:
         return samples_from_numpy(path)
@@ -74,13 +78,34 @@ def _from_documents(contents: list[Any], where: str) -> Samples:
     samples = samples_from_documents(contents, where)
     if samples is not None:
         return samples
+    content: Any = contents if len(contents) > 1 else contents[0]
+    if _is_columns(content):
+        return sampled_columns(list(content), table(list(map(list, zip(*content.values(), strict=False))), where))
+    if isinstance(content, dict) and POSITIONS & content.keys():
+        return samples_from_arrays(content, where)
+    if _is_records(content):
+        return sampled_columns(list(content[0]), table([list(row.values()) for row in content], where))
     if len(contents) > 1:
         raise StudyError(f"{where} holds {len(contents)} documents, none of them a trajectory or a joint state")
-    content = contents[0]
-    rows = content.get("waypoints", content) if isinstance(content, dict) else content
-    if not isinstance(rows, list):
+    if not isinstance(content, list):
         raise StudyError(f"{where}: expected a list of waypoints or a JointTrajectory with 'joint_names' and 'points'")
-    return Samples(table(rows, where))
+    return Samples(table(content, where))
+
+
+def _is_columns(content: Any) -> bool:
+    """Whether a mapping holds lists of numbers of one length by their names."""
+    if not isinstance(content, dict) or not all(
+        isinstance(key, str) and isinstance(v, list) for key, v in content.items()
+    ):
+        return False
+    plain = all(isinstance(value, int | float) for column in content.values() for value in column)
+    return plain and len({len(column) for column in content.values()}) == 1
+
+
+def _is_records(content: Any) -> bool:
+    """Whether a list holds mappings of numbers by names, all with the same names."""
+    rows: list[Any] = content if isinstance(content, list) else []
+    return all(isinstance(row, dict) for row in rows) and len({tuple(row) for row in rows}) == 1
 
 
 def holds_samples(path: Path) -> bool:
@@ -91,4 +116,9 @@ def holds_samples(path: Path) -> bool:
     if ending not in DOCUMENTS or path.name.lower().endswith(".exact.json") or not os.path.isfile(path):
         return False
     contents = documents(path)
-    return isinstance(contents[0], list) or samples_from_documents(contents, f"file {path.name!r}") is not None
+    first = contents[0]
+    if isinstance(first, list) or _is_columns(first):
+        return True
+    if isinstance(first, dict) and "waypoints" not in first and POSITIONS & first.keys():
+        return True
+    return len(contents) > 1 or samples_from_documents(contents, f"file {path.name!r}") is not None

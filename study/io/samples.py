@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from study.errors import StudyError
 from study.problem import Floats
+
+NUMBERED = re.compile(
+    r"((actual|target|field|joints?|positions?|pos|q|qpos|axis|a|j)[ ._/]*)*[\[(]?\d+[\])]?", re.IGNORECASE
+)
+"""Names of columns that number the joints."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +31,8 @@ class Samples:
         In the file's units per second and second squared.
     notes : tuple of str
         One sentence for everything that was left out or taken in a way that could be taken otherwise.
+    units : tuple of str
+        Of the joints, rad, deg, m or mm, where the names of the file's columns say them; empty where they do not.
     """
 
     positions: Floats
@@ -34,6 +42,7 @@ class Samples:
     velocities: Floats | None = None
     accelerations: Floats | None = None
     notes: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
 
     @property
     def rates(self) -> list[Floats]:
@@ -66,6 +75,16 @@ class Samples:
             names=tuple(names),
             velocities=velocities,
             accelerations=accelerations,
+            units=tuple(self.units[k] for k in order) if self.units else (),
+        )
+
+    def numbered(self, known: Collection[str]) -> Samples:
+        """The same without names, with a note, where the columns are only numbered and no joint has such a name."""
+        if not self.names or set(self.names) & set(known) or not all(NUMBERED.fullmatch(name) for name in self.names):
+            return self
+        first, last = self.names[0], self.names[-1]
+        return replace(self, names=()).noting(
+            f"columns {first!r} to {last!r} are numbered, not named, and were taken in their order"
         )
 
     def noting(self, *notes: str) -> Samples:

@@ -49,57 +49,74 @@ def numbers(rows: Sequence[Sequence[Any]], places: Sequence[str]) -> Floats:
     return np.array([[number(value, place) for value in row] for row, place in zip(rows, places, strict=True)])
 
 
-def csv_cells(text: str, where: str) -> list[tuple[int, list[str]]]:
-    """Split a table into cells, each line with its number; lines without content are left out.
+COMMENT = re.compile(r"\s*(#+|//|%+(?=\s))")
+TRAILING = re.compile(r"\s#(\s.*)?$")
+SEPARATOR = re.compile(r"\s*sep=.\s*", re.IGNORECASE)
+"""First line by which spreadsheets tell each other the separator."""
 
-    Semicolons separate columns if there are any, else tabs, else commas, else blanks; `#` begins a comment.
+Lines = list[tuple[int, str]]
+Cells = list[tuple[int, list[str]]]
+
+
+def table_lines(text: str) -> tuple[Lines, list[str]]:
+    """Lines with content, each with its number; and the comments before them, without their marks, the nearest first.
+
+    A comment begins with `#`, `//`, or `%` and a blank; behind numbers it begins with `#` between blanks.
+    """
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    if lines and SEPARATOR.fullmatch(lines[0][1]):
+        del lines[0]
+    if not any(mark in text for mark in "#/%"):
+        return lines, []
+    kept = [(n, TRAILING.sub("", line)) for n, line in lines if not COMMENT.match(line)]
+    before = [line for n, line in lines if not kept or n < kept[0][0]]
+    return kept, [COMMENT.sub("", line, count=1).strip() for line in reversed(before)]
+
+
+def separator(lines: Lines) -> str | None:
+    """Semicolons separate columns if there are any, else tabs, else commas, else blanks."""
+    bare = [re.sub(r'"[^"]*"', "", line) if '"' in line else line for _, line in lines]
+    return next((mark for mark in (";", "\t", ",") if any(mark in line for line in bare)), None)
+
+
+def split_lines(lines: Lines, mark: str | None, where: str) -> Cells:
+    """Split lines into cells; lines of empty cells and columns of empty cells at the end are left out.
 
     Raises
     ------
     StudyError
         If a cell is too long.
     """
-    lines = _filled(text)
-    quoted = '"' in text
-    mark = _mark([re.sub(r'"[^"]*"', "", line) for _, line in lines] if quoted else [line for _, line in lines])
     try:
-        cells = [(n, _split(line, mark) if quoted else line.split(mark)) for n, line in lines]
+        rows = [(n, _split(line, mark) if '"' in line else line.split(mark)) for n, line in lines]
     except csv.Error as error:
         raise StudyError(f"{where} is no table: {error}") from None
-    return [(n, row) for n, row in cells if any(cell.strip() for cell in row)]
+    rows = [(n, cells) for n, cells in rows if any(cell.strip() for cell in cells)]
+    width = max((len(cells) for _, cells in rows), default=0)
+    while rows and not any(cells[width - 1].strip() for _, cells in rows if len(cells) == width):
+        rows, width = [(n, cells[: width - 1]) for n, cells in rows], width - 1
+    return rows
 
 
-def plain_table(text: str) -> tuple[list[str], Floats] | None:
+def plain_table(lines: Lines, mark: str | None) -> tuple[list[str], Floats] | None:
     """Read a table at once, its first line as cells and all lines after it as numbers, shape (n_lines - 1, n_columns).
 
-    None where a quotation mark, a comment, a decimal comma, a line of another length or anything else but a finite number
-    stands in those lines; `csv_cells` and `numbers` take such a table line by line.
+    None where a quotation mark, a decimal comma, a line of another length or anything else but a finite number stands in
+    those lines; `split_lines` and `numbers` take such a table line by line.
     """
-    if '"' in text:
+    if len(lines) < 2 or any('"' in line for _, line in lines):
         return None
-    lines = [line for _, line in _filled(text)]
-    if len(lines) < 2:
-        return None
-    mark = _mark(lines)
     try:
-        values = np.loadtxt(lines[1:], delimiter=mark, comments=None, ndmin=2)
+        values = np.loadtxt([line for _, line in lines[1:]], delimiter=mark, comments=None, ndmin=2)
     except ValueError:
         return None
-    first = lines[0].split(mark)
+    first = lines[0][1].split(mark)
     return (first, values) if len(first) == values.shape[1] and np.isfinite(values).all() else None
-
-
-def _filled(text: str) -> list[tuple[int, str]]:
-    return [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.split("#", 1)[0].strip()]
-
-
-def _mark(lines: Sequence[str]) -> str | None:
-    return next((mark for mark in (";", "\t", ",") if any(mark in line for line in lines)), None)
 
 
 def _split(line: str, mark: str | None) -> list[str]:
     if mark is None:
-        return next(csv.reader([line])) if '"' in line else line.split()
+        return next(csv.reader([line]))
     return next(csv.reader([line], delimiter=mark, skipinitialspace=True))
 
 
@@ -134,9 +151,10 @@ def number(value: Any, where: str) -> float:
     return read
 
 
-def all_numbers(cells: Sequence[str]) -> bool:
-    """Tell a line of numbers from a header."""
+def is_number(cell: str) -> bool:
+    """Tell a cell that holds a number, finite or not, from text."""
     try:
-        return bool([decimal(cell) for cell in cells])
+        decimal(cell)
     except ValueError:
         return False
+    return True

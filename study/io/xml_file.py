@@ -44,13 +44,13 @@ def _root(text: str, where: str) -> ET.Element:
 
 
 def _expanded(path: Path, where: str) -> str:
+    first = f"or expand it first with: xacro {path.name} > robot.urdf"
     try:
         import xacro
     except ModuleNotFoundError:
-        raise StudyError(
-            f"{where} holds xacro macros; pip install xacro, or expand it first with: xacro {path.name} > robot.urdf"
-        ) from None
+        raise StudyError(f"{where} holds xacro macros; pip install xacro, {first}") from None
     try:
         return str(xacro.process_file(str(path)).toxml())
     except Exception as error:  # xacro names its errors by the macro at work
-        raise StudyError(f"{where}: xacro cannot expand it: {error}") from None
+        said = " ".join(str(error).split())
+        raise StudyError(f"{where}: xacro cannot expand it: {said}; mend that, {first}") from None
