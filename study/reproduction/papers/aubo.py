@@ -15,7 +15,7 @@ from study.cases.printed import Cell
 from study.planners.aubo import (
     DYNAMIC_ADAPTIVE_PSO,
     DYNAMIC_ADAPTIVE_PSO_AS_PRINTED,
-    DYNAMIC_ADAPTIVE_PSO_START_MENDED,
+    DYNAMIC_ADAPTIVE_PSO_FALLING,
 )
 from study.reproduction import convergence, rules
 from study.reproduction.duration_rows import Row, rule
@@ -39,8 +39,8 @@ STATED = "Eqs. (13), (14) as printed, start inside the box"
 FALLING = "weights falling"
 LETTER = "as printed, start outside the box"
 SEARCHES: dict[str, Search[Any]] = {
-    STATED: DYNAMIC_ADAPTIVE_PSO_START_MENDED.search,
-    FALLING: DYNAMIC_ADAPTIVE_PSO.search,
+    STATED: DYNAMIC_ADAPTIVE_PSO.search,
+    FALLING: DYNAMIC_ADAPTIVE_PSO_FALLING.search,
     LETTER: DYNAMIC_ADAPTIVE_PSO_AS_PRINTED.search,
     "PSO": STANDARD_PSO,
 }
