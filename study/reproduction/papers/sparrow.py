@@ -26,15 +26,18 @@ from study.search.state import Search
 CASE = "ur5-helix"
 SEARCHES: dict[str, Search[Any]] = {
     "SSA": planners.SSA_PLANNER.search,
-    "T-SSA": SSA(start=Start.TENT, rescaled=True),
+    "T-SSA": planners.T_SSA.search,
     "ADF-SSA": planners.ADF_SSA.search,
-    "TADF-SSA": SSA(start=Start.TENT, rescaled=True, adaptive_beta=True, adaptive_k=True),
+    "TADF-SSA": planners.TADF_SSA.search,
 }
 OTHERS: dict[str, dict[str, Search[Any]]] = {
     "SSA": {"as printed": planners.SSA_AS_PRINTED.search},
-    "T-SSA": {"start not rescaled": planners.T_SSA.search, "as printed": planners.T_SSA_AS_PRINTED.search},
+    "T-SSA": {"start not rescaled": SSA(start=Start.TENT), "as printed": planners.T_SSA_AS_PRINTED.search},
     "ADF-SSA": {"as printed": planners.ADF_SSA_AS_PRINTED.search},
-    "TADF-SSA": {"start not rescaled": planners.TADF_SSA.search, "as printed": planners.TADF_SSA_AS_PRINTED.search},
+    "TADF-SSA": {
+        "start not rescaled": SSA(start=Start.TENT, adaptive_beta=True, adaptive_k=True),
+        "as printed": planners.TADF_SSA_AS_PRINTED.search,
+    },
 }
 SEGMENTS = tuple(f"h{k}" for k in range(1, 20))
 TEN = 10
