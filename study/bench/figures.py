@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from statistics import median
 
 import matplotlib as mpl
 from markupsafe import Markup
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from study.bench.growth import LABELS, Point
-from study.report.plot_style import DASHES, GRID, MARKERS, RC, SERIES, themed
+from study.report.figures import sized, svg
+from study.report.plot_style import DASHES, GRID, MARKERS, RC, SERIES
 
 AXES = {"waypoints": "waypoints", "joints": "joints", "population": "candidates in one call"}
 
@@ -30,7 +29,7 @@ def label(point: Point) -> str:
 def growth(points: Sequence[Point], legend: bool = False) -> Markup:
     """Plot time per candidate against waypoints, joints and population; with a legend where the page has none."""
     with mpl.rc_context(RC):
-        figure = Figure(figsize=(1040 / 72, 340 / 72))
+        figure = sized(1040, 340)
         panels = figure.subplots(1, len(AXES))
         for axes, (axis, name) in zip(panels, AXES.items(), strict=True):
             _panel(axes, [point for point in points if point.axis == axis], styles(points))
@@ -40,10 +39,8 @@ def growth(points: Sequence[Point], legend: bool = False) -> Markup:
             lines = {line.get_label(): line for axes in panels for line in axes.get_lines()}
             figure.legend(lines.values(), lines.keys(), loc="upper center", ncols=len(lines), frameon=False)
         figure.subplots_adjust(0.06, 0.15, 0.99, 0.9 if legend else 0.97, wspace=0.16)
-        buffer = io.StringIO()
-        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    description = "Time per candidate against the number of waypoints, joints and candidates, by curve and engine."
-    return themed(buffer.getvalue(), "growth", "Growth of the kernels' time", description)
+        description = "Time per candidate against the number of waypoints, joints and candidates, by curve and engine."
+        return svg(figure, "growth", "Growth of the kernels' time", description)
 
 
 def _panel(axes: Axes, points: Sequence[Point], numbers: dict[str, int]) -> None:

@@ -16,7 +16,7 @@ from study.errors import Interrupted, StudyError
 from study.registry import planner_named
 from study.runs.runner import default_jobs
 from study.testing.attacks import ATTACKS
-from study.testing.stress import CRASH, OUTCOMES, WRONG, Outcome, reference_planners
+from study.testing.stress import CRASH, ENDS, WRONG, AttemptEnd, reference_planners
 from study.testing.stress import torture as run_torture
 from study.testing.two_judges import AGREEMENTS, compare_judges
 
@@ -50,12 +50,12 @@ def torture(
     with terminal.progress(console) as progress:
         task = progress.add_task("running", total=problems * len(names))
 
-        def finished(outcome: Outcome) -> None:
-            attempt = outcome.attempt
-            counts[attempt.planner][outcome.kind] += 1
+        def finished(end: AttemptEnd) -> None:
+            attempt = end.attempt
+            counts[attempt.planner][end.kind] += 1
             progress.update(task, advance=1, description=f"problem {attempt.number}: {attempt.planner}")
-            if outcome.kind in MUST_NOT:
-                console.print(f"{outcome.kind}: {attempt.planner} on problem {attempt.number}: {outcome.sentence}")
+            if end.kind in MUST_NOT:
+                console.print(f"{end.kind}: {attempt.planner} on problem {attempt.number}: {end.sentence}")
 
         with contextlib.suppress(KeyboardInterrupt):
             run_torture(names, problems, seed, time_limit, jobs, finished)
@@ -90,8 +90,8 @@ def _compare(motions: int, seed: int, jobs: int) -> None:
 def _table(counts: Mapping[str, Counter[str]], problems: int, seed: int) -> Table:
     table = Table(title=f"{problems} random problems, seed {seed}", title_justify="left", header_style="bold")
     table.add_column("planner")
-    for kind in OUTCOMES:
+    for kind in ENDS:
         table.add_column(kind, justify="right")
     for name, count in counts.items():
-        table.add_row(name, *(f"{count[kind]:,}" for kind in OUTCOMES))
+        table.add_row(name, *(f"{count[kind]:,}" for kind in ENDS))
     return table

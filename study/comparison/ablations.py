@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from study.analysis.formatting import listed, seconds
+from study.analysis.tables import Column, Grid, grid
 from study.cases.library import Case
 from study.comparison import statistics, tasks
 from study.comparison.effort import Effort
@@ -17,7 +18,7 @@ from study.comparison.improvements import ABLATIONS, PLAIN, WHOLE, Ablation
 from study.comparison.outcomes import FLOOR, SIGNIFICANT, Outcomes, grouped
 from study.comparison.plots import Mark, Marks
 from study.comparison.statistics import Interval
-from study.comparison.tables import Column, Grid, IntervalColumn, grid, interval_text, p_value, probability
+from study.comparison.tables import IntervalColumn, interval_text, p_value, probability
 from study.comparison.trials import Trial, TrialJob, repeated
 from study.search.state import Search
 

@@ -16,11 +16,12 @@ from typing import Any
 import numpy as np
 
 from study.analysis.formatting import listed, ratio
+from study.analysis.tables import Column, Grid, grid
 from study.comparison import tasks
 from study.comparison.effort import Effort
 from study.comparison.outcomes import FLOOR, Outcomes, grouped
 from study.comparison.plots import Mark, Marks
-from study.comparison.tables import FLAG, Column, Grid, PlannerColumn, grid
+from study.comparison.tables import FLAG, PlannerColumn
 from study.comparison.trials import Trial, TrialJob, repeated
 from study.search.state import Search
 

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from study.analysis.formatting import seconds
+from study.analysis.tables import Column, Grid, grid
 from study.cases.library import Case
 from study.comparison import statistics, tasks
 from study.comparison.audit_functions import named
 from study.comparison.effort import Effort
 from study.comparison.outcomes import SIGNIFICANT, Outcomes, grouped
 from study.comparison.plots import Mark, Marks
-from study.comparison.tables import Column, Grid, PlannerColumn, grid, p_value, probability
+from study.comparison.tables import PlannerColumn, p_value, probability
 from study.comparison.trials import Trial, TrialJob, repeated
 from study.search.state import Search
 

@@ -7,10 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from study.analysis.formatting import listed, percent, seconds, wall
+from study.analysis.tables import Column, Grid, grid
 from study.comparison.claims import Against, Counterpart
 from study.comparison.contestants import Contestant
 from study.comparison.outcomes import SIGNIFICANT
-from study.comparison.tables import Column, Grid, IntervalColumn, PlannerColumn, grid, interval_text, p_value
+from study.comparison.tables import IntervalColumn, PlannerColumn, interval_text, p_value
 
 
 def _text(against: Against) -> str:

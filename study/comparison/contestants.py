@@ -9,9 +9,10 @@ from enum import StrEnum
 import numpy as np
 
 from study.analysis.formatting import DASH, percent, seconds, wall
+from study.analysis.tables import Column, Grid, grid
 from study.cases.library import Case
 from study.comparison.effort import Effort
-from study.comparison.tables import Column, Grid, PlannerColumn, grid
+from study.comparison.tables import PlannerColumn
 from study.planners.other_searches import MinimiserPlanner
 from study.planning import Formulation, Freedom
 from study.problem import Floats

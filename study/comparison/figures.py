@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from typing import Any
 
@@ -16,21 +15,16 @@ from study.analysis.formatting import ratio as figure_text
 from study.comparison.plots import Marks
 from study.comparison.ranking import Omnibus
 from study.comparison.targets import Anytime, Distribution
-from study.report.plot_style import DASHES, GRID, INK, MARKERS, MUTED, RC, SERIES, themed
+from study.report.figures import sized, svg
+from study.report.plot_style import DASHES, GRID, INK, MARKERS, MUTED, RC, SERIES
 
 LEAST = 1e-6
 """Smallest share above the reference that a logarithmic axis shows."""
 
 
-def _svg(figure: Figure, key: str, title: str, description: str) -> Markup:
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return themed(buffer.getvalue(), key, title, description)
-
-
 def _canvas(width: float, height: float, left: float, top: float = 10.0) -> tuple[Figure, Axes]:
     """Make axes in a figure of so many pixels, with a margin for row names on the left."""
-    figure = Figure(figsize=(width / 72, height / 72))
+    figure = sized(width, height)
     axes = figure.subplots()
     figure.subplots_adjust(left / width, 46 / height, 1 - 14 / width, 1 - top / height)
     axes.grid(True, color=GRID, linewidth=0.8)
@@ -61,7 +55,7 @@ def distribution(key: str, lines: Sequence[Distribution], styles: dict[str, int]
         axes.set(xscale="log", xlabel="evaluations per segment", ylabel="share of targets reached", ylim=(0, 1.02))
         _decades(axes)
         names = ", ".join(line.planner for line in lines)
-        return _svg(
+        return svg(
             figure, key, "Targets reached", f"Share of cases, runs and targets reached against evaluations for {names}."
         )
 
@@ -102,7 +96,7 @@ def anytime(key: str, case: str, curves: Sequence[Anytime], reference: float, st
         axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
         _decades(axes)
         names = ", ".join(curve.planner for curve in shown)
-        return _svg(figure, key, f"Anytime curves on {case}", f"Median and quartiles against evaluations for {names}.")
+        return svg(figure, key, f"Anytime curves on {case}", f"Median and quartiles against evaluations for {names}.")
 
 
 def critical_difference(key: str, test: Omnibus) -> Markup:
@@ -128,7 +122,7 @@ def critical_difference(key: str, test: Omnibus) -> Markup:
         axes.set_xticks(range(1, n + 1, 1 if n < 10 else 2))
         axes.set_ylim(n - 0.4, -1.5)
         axes.set_xlabel("mean rank over cases (1 is best); a bar joins what cannot be told apart")
-        return _svg(
+        return svg(
             figure, key, "Critical difference diagram", "Mean ranks of the planners; they stand in the table too."
         )
 
@@ -154,4 +148,4 @@ def rows_of_marks(plot: Marks) -> Markup:
             axes.set_xlim(*plot.span)
         axes.set_title(plot.heading, loc="left")
         axes.set_xlabel(plot.label)
-        return _svg(figure, plot.key, plot.title, plot.description)
+        return svg(figure, plot.key, plot.title, plot.description)

@@ -8,14 +8,13 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from study.analysis.tables import Record, write_table
+from study.analysis.tables import Grid, Record, records, write_table
 from study.comparison import ablations, audit_functions, audit_trajectories, claims_shown, figures, ranking, targets
 from study.comparison.build import Comparison
 from study.comparison.contestants import LEVELS, RUN_COLUMNS, Level, reference_grid, runs_of, solver_grid
 from study.comparison.improvements import ABLATIONS
 from study.comparison.ioh import write_ioh
 from study.comparison.overview import limitations, summary
-from study.comparison.tables import Grid, records
 from study.errors import StudyError
 from study.files import write_file
 from study.report.rendering import render

@@ -8,19 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.analysis.formatting import DASH, listed, plural
+from study.analysis.tables import Column, Grid, grid
 from study.comparison import statistics
 from study.comparison.contestants import Contestant, Level, Reference, needs_scaling
 from study.comparison.statistics import Friedman, Interval
-from study.comparison.tables import (
-    Column,
-    Grid,
-    IntervalColumn,
-    PlannerColumn,
-    grid,
-    interval_text,
-    p_value,
-    probability,
-)
+from study.comparison.tables import IntervalColumn, PlannerColumn, interval_text, p_value, probability
 from study.problem import Floats
 from study.runs.selections import YARDSTICKS
 

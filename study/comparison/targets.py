@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.analysis.formatting import count, listed, percent, wall
+from study.analysis.tables import Column, Grid, grid
 from study.comparison import runtime
 from study.comparison.contestants import Contestant, Level, Reference
 from study.comparison.runtime import TARGETS
-from study.comparison.tables import Column, Grid, PlannerColumn, grid
+from study.comparison.tables import PlannerColumn
 from study.problem import Floats
 from study.runs.selections import YARDSTICKS
 

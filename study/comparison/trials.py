@@ -68,9 +68,6 @@ class TrialOutcome:
     reason: str = ""
 
 
-Outcomes = tuple[TrialOutcome, ...]
-
-
 @dataclass(frozen=True, eq=False)
 class TrialJob:
     """Repetitions of a trial, run and kept together, with everything that determines their outcomes.
@@ -135,19 +132,19 @@ class TrialJob:
         """Name the code of the search and of the task."""
         return code_behind(modules=(__name__, type(self.search).__module__))
 
-    def encode(self, outcome: Outcomes) -> Encoded:
+    def encode(self, outcome: tuple[TrialOutcome, ...]) -> Encoded:
         """Turn the outcomes of all repetitions into plain data."""
         document = {"values": [end.value for end in outcome], "reasons": [end.reason for end in outcome]}
         return Encoded(document, evaluations=self.trial.evaluations * len(outcome))
 
-    def decode(self, encoded: Encoded) -> Outcomes:
+    def decode(self, encoded: Encoded) -> tuple[TrialOutcome, ...]:
         """Turn plain data back into outcomes."""
         values, reasons = encoded.document["values"], encoded.document["reasons"]
         if len(values) != len(self.seeds):
             raise ValueError(f"{len(values)} outcomes of {len(self.seeds)} trials")
         return tuple(map(TrialOutcome, values, reasons))
 
-    def failed(self, reason: str, wall_time: float, status: Status) -> Outcomes:
+    def failed(self, reason: str, wall_time: float, status: Status) -> tuple[TrialOutcome, ...]:
         """Build the outcomes of repetitions that were stopped or crashed."""
         return (TrialOutcome(np.inf, reason),) * len(self.seeds)
 
@@ -158,7 +155,7 @@ class TrialJob:
             return function_task(trial.task, trial.dimensions, trial.view, seed)
         return trajectory_task(self.problem, self.curve, trial.formulation, trial.view)
 
-    def run(self) -> Outcomes:
+    def run(self) -> tuple[TrialOutcome, ...]:
         """Run all repetitions side by side; every outcome is what it is alone.
 
         Where a run breaks down each is run by itself, so that the others do not suffer.

@@ -46,14 +46,15 @@ OUT_OF_SIGHT = 0.3
 """Share of a limit; if every method uses less, the plot shows the motion and not the limit."""
 
 
-def _svg(figure: Figure, key: str, title: str, description: str) -> Markup:
+def svg(figure: Figure, key: str, title: str, description: str) -> Markup:
+    """Turn a finished figure into an inline figure of a page; see `plot_style.themed`."""
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     return themed(buffer.getvalue(), key, title, description)
 
 
-def _figure(width: float, height: float) -> Figure:
-    """Size in pixels of the page; an SVG has 72 units to the inch."""
+def sized(width: float, height: float) -> Figure:
+    """Make a figure of so many pixels; an SVG has 72 units to the inch."""
     return Figure(figsize=(width / 72, height / 72))
 
 
@@ -84,7 +85,7 @@ def profile(key: str, problem: Problem, joint: int, unit: str, series: Sequence[
     """
     name = problem.joint_names[joint]
     with mpl.rc_context(RC):
-        figure = _figure(300 if problem.n_joints % 4 == 0 else 380, 620)
+        figure = sized(300 if problem.n_joints % 4 == 0 else 380, 620)
         panels = figure.subplots(4, 1, sharex=True, gridspec_kw={"hspace": 0.24})
         _margins(figure, 46, 6, 42, 22)
         for order, axes in enumerate(panels):
@@ -92,7 +93,7 @@ def profile(key: str, problem: Problem, joint: int, unit: str, series: Sequence[
             axes.set_title(f"{QUANTITIES[order]}, {unit}{('', '/s', '/s²', '/s³')[order]}", loc="left")
         panels[-1].set_xlabel("time, s")
         methods = ", ".join(each.label for each in series)
-        return _svg(
+        return svg(
             figure,
             key,
             f"Profiles of {name}",
@@ -152,7 +153,7 @@ def convergence(key: str, curves: Sequence[Convergence], reference: tuple[str, f
     ends = [float(np.nanmin(curve.lower)) for curve in curves if np.isfinite(curve.lower).any()]
     shortest = min([*ends, *([reference[1]] if reference else [])], default=1.0)
     with mpl.rc_context(RC):
-        figure = _figure(width, 380)
+        figure = sized(width, 380)
         axes = figure.subplots()
         _margins(figure, 74, 24, 44, 10)
         _grid(axes)
@@ -166,7 +167,7 @@ def convergence(key: str, curves: Sequence[Convergence], reference: tuple[str, f
         axes.xaxis.set_major_formatter(lambda value, _: count(value))
         axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
         axes.minorticks_off()
-        return _svg(
+        return svg(
             figure,
             key,
             "Convergence of the searches",
@@ -200,7 +201,7 @@ def headline(key: str, rows: Sequence[HeadlineRow], reference: str, width: float
     The reference is what 0 % stands for; the width is in pixels.
     """
     with mpl.rc_context(RC):
-        figure = _figure(width, 60 + 70 * len(rows))
+        figure = sized(width, 60 + 70 * len(rows))
         axes = figure.subplots()
         _margins(figure, 4, 4, 44, 4)
         _grid(axes, "x")
@@ -214,7 +215,7 @@ def headline(key: str, rows: Sequence[HeadlineRow], reference: str, width: float
         axes.set_xticks(shown, [percent(ratio - 1).replace(".00", "").replace(".0", "") for ratio in shown])
         axes.minorticks_off()
         axes.spines["left"].set_visible(False)
-        return _svg(
+        return svg(
             figure,
             key,
             "Who is faster, and by how much",
@@ -249,7 +250,7 @@ def ladder(key: str, bars: Sequence[Bar], width: float) -> Markup:
     """Plot the ladder of lost time as bars from zero, one under the other; the width is in pixels."""
     pitch = 64 if width < NARROW else 40  # from bar to bar
     with mpl.rc_context(RC):
-        figure = _figure(width, pitch * len(bars) + 52)
+        figure = sized(width, pitch * len(bars) + 52)
         axes = figure.subplots()
         _margins(figure, 14, 6, 42, 4)
         axes.tick_params(length=0)
@@ -267,7 +268,7 @@ def ladder(key: str, bars: Sequence[Bar], width: float) -> Markup:
         room = (width - 20) / (width - 198)  # for the value beside the longest bar
         axes.set(xlim=(0, room * longest), ylim=(len(bars) - 0.5, -0.85), yticks=[], xlabel="total time, s")
         axes.spines["left"].set_visible(False)
-        return _svg(
+        return svg(
             figure,
             key,
             "The ladder of lost time",
@@ -278,7 +279,7 @@ def ladder(key: str, bars: Sequence[Bar], width: float) -> Markup:
 def segments(key: str, series: Sequence[Series], width: float) -> Markup:
     """Plot how each motion spends its time between the waypoints, as bars cut at the waypoints; the width is in pixels."""
     with mpl.rc_context(RC):
-        figure = _figure(width, 46 * len(series) + 52)
+        figure = sized(width, 46 * len(series) + 52)
         axes = figure.subplots()
         _margins(figure, 14, 10, 42, 4)
         _grid(axes, "x")
@@ -292,7 +293,7 @@ def segments(key: str, series: Sequence[Series], width: float) -> Markup:
             axes.annotate(each.label, (0.0, level - 0.25), xytext=(0, 2), textcoords="offset points", va="bottom")
         axes.set(ylim=(len(series) - 0.5, -0.85), yticks=[], xlabel="time, s")
         axes.spines["left"].set_visible(False)
-        return _svg(
+        return svg(
             figure,
             key,
             "Time spent on every segment",

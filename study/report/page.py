@@ -17,7 +17,7 @@ from study.analysis.featured import IN_ORDER, ROLE_NAMES, SEARCHES, Featured
 from study.analysis.ladder import Rung, breakdown_of
 from study.analysis.methods import Kind, MethodSummary, Standing, known_times, names_explained
 from study.analysis.sentences import answer, case_answer
-from study.analysis.tables import Record, raw
+from study.analysis.tables import Record, raw, records
 from study.cases.library import Case
 from study.cases.papers import paper_of
 from study.cautions import ends_said
@@ -29,7 +29,7 @@ from study.planning import Freedom
 from study.report import figures, plot_style
 from study.report.convergence import convergence_of
 from study.report.rendering import render
-from study.report.tables import COLUMNS, motion_files, result_record, write_motions, write_tables
+from study.report.tables import COLUMNS, RESULTS, motion_files, write_motions, write_tables
 from study.trajectory import Motion
 
 TOO_LONG = 3.0
@@ -287,8 +287,8 @@ def _too_long(motion: Motion, best: Featured) -> bool:
 
 def _groups(report: CaseReport) -> list[tuple[str, str, list[tuple[MethodSummary, Record]]]]:
     """Rows of the results table in the groups that sorting keeps apart: feasible, infeasible, never judged."""
-    case, source = report.summary.case, report.source
-    whole = [(method, result_record(case, method, source, report.summary.best.own)) for method in report.summary.whole]
+    rows = records(RESULTS, [(report.summary, method, report.source) for method in report.summary.whole])
+    whole = list(zip(report.summary.whole, rows, strict=True))
     return [(name, head, [pair for pair in whole if pair[0].standing is name]) for name, head in STANDINGS.items()]
 
 

@@ -1,114 +1,194 @@
-"""The tables of the report: one set of records for the page, CSV and Parquet."""
+"""The tables of the report: one list of columns each for the page, CSV and Parquet."""
 
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import chain, pairwise
 from pathlib import Path
+from typing import Any
 
 from study.analysis.case_summary import CaseSummary
 from study.analysis.featured import group_of
 from study.analysis.formatting import DASH, bare_seconds, count, percent, share, wall
-from study.analysis.methods import Kind, MethodSummary
-from study.analysis.tables import Record, Value, write_table
+from study.analysis.methods import Kind, MethodSummary, is_feasible
+from study.analysis.tables import Column, records, write_table
 from study.cases.library import Case
 from study.io.export import write_motion
 from study.io.filenames import file_stem
 from study.io.sampling import Sampling, usual_rate
-from study.judge import RATES
+from study.judge import RATES, Verdict
 from study.runs.lineup import QUICK_EVALUATIONS, TIME_LIMIT
+from study.store.results import Result
+
+Method = tuple[CaseSummary, MethodSummary, str]
+"""A method of a case, and what loads the case again: its name or the path of a case of one's own."""
 
 
-@dataclass(frozen=True)
-class Column:
-    """A column of the results table: its key in the files, its head on the page and how a value reads there."""
-
-    key: str
-    head: str
-    hint: str
-    text: Callable[[Value], str]
-    numeric: bool = True
-
-
-def _plain(value: Value) -> str:
+def _plain(value: object) -> str:
     return DASH if value in (None, "") else str(value)
 
 
-def _number(form: Callable[[float | None], str]) -> Callable[[Value], str]:
-    return lambda value: form(float(value) if isinstance(value, int | float) else None)
-
-
-COLUMNS = (
-    Column("rank", "#", "place among feasible methods, by median time", _plain),
+RESULTS: tuple[Column[Method], ...] = (
+    Column("case", "", lambda row: row[0].case.name, kind=str),
+    Column("rank", "#", lambda row: row[1].rank, _plain, int, "place among feasible methods, by median time"),
     Column(
         "method",
         "Method",
-        "planner and, after a colon, what is done otherwise than is usual for the case",
-        _plain,
-        False,
+        lambda row: row[1].label,
+        kind=str,
+        hint="planner and, after a colon, what is done otherwise than is usual for the case",
     ),
     Column(
         "median_s",
         "Median, s",
+        lambda row: row[1].duration,
+        bare_seconds,
+        float,
         "what one run brings: median time over the feasible runs; of an infeasible method the time of its motion",
-        _number(bare_seconds),
     ),
-    Column("best_s", "Best, s", "the luckiest seed: shortest time of a feasible run", _number(bare_seconds)),
-    Column("gap", "Gap", "median above the shortest feasible time known here, on whatever path", _number(percent)),
+    Column(
+        "best_s",
+        "Best, s",
+        lambda row: row[1].best,
+        bare_seconds,
+        float,
+        "the luckiest seed: shortest time of a feasible run",
+    ),
+    Column(
+        "gap",
+        "Gap",
+        lambda row: row[1].gap,
+        percent,
+        float,
+        "median above the shortest feasible time known here, on whatever path",
+    ),
     Column(
         "behind_same_kind",
         "Behind its kind",
+        lambda row: row[1].behind_same_kind,
+        percent,
+        float,
         "median above the shortest feasible time known here for the same kind of path",
-        _number(percent),
     ),
     Column(
         "above_bound",
         "Above bound",
+        lambda row: row[1].above_bound,
+        percent,
+        float,
         "median above the proved lower bound of any motion through the waypoints",
-        _number(percent),
     ),
-    Column("path", "Path", "what the method was free to change, see below", _plain, False),
-    Column("feasible", "Feasible", "runs that passed the judge, of all runs: one for each seed", _plain, False),
-    Column("worst_ratio", "Limit use", "largest peak over its limit; above 1 a limit is broken", _number(share)),
+    Column(
+        "path", "Path", lambda row: row[1].freedom or "", _plain, str, "what the method was free to change, see below"
+    ),
+    Column(
+        "feasible",
+        "Feasible",
+        lambda row: f"{row[1].feasible_runs}/{row[1].runs}",
+        kind=str,
+        hint="runs that passed the judge, of all runs: one for each seed",
+    ),
+    Column("runs", "", lambda row: row[1].runs, kind=int),
+    Column("feasible_runs", "", lambda row: row[1].feasible_runs, kind=int),
+    Column(
+        "worst_ratio",
+        "Limit use",
+        lambda row: row[1].worst_ratio,
+        share,
+        float,
+        "largest peak over its limit; above 1 a limit is broken",
+    ),
     Column(
         "evaluations",
         "Evals",
+        lambda row: row[1].evaluations,
+        lambda value: count(value or None),
+        int,
         "curve evaluations of a run, median over runs; of one joint each where every joint is searched alone",
-        _number(lambda v: count(v) if v else DASH),
     ),
-    Column("wall_s", "Wall", "computing time of a run, median over runs", _number(lambda v: wall(v) if v else DASH)),
+    Column(
+        "wall_s",
+        "Wall",
+        lambda row: row[1].wall_time,
+        lambda value: wall(value or None),
+        float,
+        "computing time of a run, median over runs",
+    ),
     Column(
         "group",
         "Kind",
-        "searches, which need a seed, by where they come from: the case's own paper, the papers, or no paper (modern); "
+        lambda row: group_of(row[1], row[0].best.own),
+        kind=str,
+        hint="searches, which need a seed, by where they come from: the case's own paper, the papers, or no paper (modern); "
         "deterministic; published",
-        _plain,
-        False,
     ),
+    Column("kind", "", lambda row: row[1].kind, kind=str),
+    Column("claimed_s", "", lambda row: row[1].claimed, kind=float),
+    Column("reason", "", lambda row: row[1].reason, kind=str),
+    Column("command", "", lambda row: command(row[0].case, *row[1:]), kind=str),
+)
+COLUMNS = tuple(column for column in RESULTS if column.head)
+"""Columns of the results on the page."""
+
+Run = tuple[Case, MethodSummary, Result]
+RUNS: tuple[Column[Run], ...] = (
+    Column("case", "", lambda row: row[0].name, kind=str),
+    Column("method", "", lambda row: row[1].label, kind=str),
+    Column("seed", "", lambda row: row[2].cell.settings.seed, kind=int),
+    Column("status", "", lambda row: row[2].status.value, kind=str),
+    Column("duration_s", "", lambda row: row[2].verdict and row[2].verdict.duration, kind=float),
+    Column("feasible", "", lambda row: is_feasible(row[2]), kind=bool),
+    Column("worst_ratio", "", lambda row: row[2].verdict and row[2].verdict.worst_ratio, kind=float),
+    Column("waypoint_error", "", lambda row: row[2].verdict and row[2].verdict.waypoint_error.max(), kind=float),
+    Column("continuity", "", lambda row: row[2].verdict and row[2].verdict.continuity, kind=int),
+    Column("evaluations", "", lambda row: row[2].evaluations, kind=int),
+    Column("iterations", "", lambda row: row[2].iterations, kind=int),
+    Column("wall_s", "", lambda row: row[2].wall_time, kind=float),
+    Column("message", "", lambda row: _message(row[2]), kind=str),
+)
+
+Rate = tuple[Case, MethodSummary, Verdict, int, int]
+"""Verdict on a method's representative motion, with the numbers of a rate and of a joint."""
+
+LIMITS: tuple[Column[Rate], ...] = (
+    Column("case", "", lambda row: row[0].name, kind=str),
+    Column("method", "", lambda row: row[1].label, kind=str),
+    Column("joint", "", lambda row: row[0].problem.joint_names[row[4]], kind=str),
+    Column("rate", "", lambda row: RATES[row[3]], kind=str),
+    Column("peak", "", lambda row: row[2].peaks[row[3:]], kind=float),
+    Column("limit", "", lambda row: row[0].problem.limits.rates[row[3:]], kind=float),
+    Column("ratio", "", lambda row: row[2].ratios[row[3:]], kind=float),
+    Column("at_s", "", lambda row: row[2].times[row[3:]], kind=float),
+    Column("segment", "", lambda row: row[2].segments[row[3:]] + 1, kind=int),
+)
+
+Segment = tuple[Case, MethodSummary, int, float, float]
+"""Number of a segment of a method's representative motion, counted from 0, with its start and end, s."""
+
+SEGMENTS: tuple[Column[Segment], ...] = (
+    Column("case", "", lambda row: row[0].name, kind=str),
+    Column("method", "", lambda row: row[1].label, kind=str),
+    Column("segment", "", lambda row: row[2] + 1, kind=int),
+    Column("start_s", "", lambda row: row[3], kind=float),
+    Column("duration_s", "", lambda row: row[4] - row[3], kind=float),
 )
 
 
-SCHEMAS: dict[str, dict[str, type]] = {
-    "results": {
-        **dict.fromkeys(("case",), str), "rank": int, **dict.fromkeys(("method", "kind", "group", "path"), str),
-        **dict.fromkeys(("median_s", "best_s", "gap", "behind_same_kind", "above_bound"), float), "feasible": str,
-        **dict.fromkeys(("runs", "feasible_runs"), int), "worst_ratio": float, "evaluations": int,
-        **dict.fromkeys(("wall_s", "claimed_s"), float), **dict.fromkeys(("reason", "command"), str),
-    },
-    "runs": {
-        **dict.fromkeys(("case", "method"), str), "seed": int, "status": str, "duration_s": float, "feasible": bool,
-        **dict.fromkeys(("worst_ratio", "waypoint_error"), float),
-        **dict.fromkeys(("continuity", "evaluations", "iterations"), int), "wall_s": float, "message": str,
-    },
-    "limits": {
-        **dict.fromkeys(("case", "method", "joint", "rate"), str),
-        **dict.fromkeys(("peak", "limit", "ratio", "at_s"), float), "segment": int,
-    },
-    "segments": {"case": str, "method": str, "segment": int, "start_s": float, "duration_s": float},
-}  # fmt: skip
-"""Columns of every file and what they hold."""
+def _message(run: Result) -> str:
+    return "; ".join(run.verdict.reasons) if run.verdict and run.verdict.reasons else run.message
+
+
+def _rates(case: Case, method: MethodSummary) -> Iterator[Rate]:
+    verdict = method.representative.verdict if method.representative else None
+    if verdict is not None and method.joint is None:
+        for order in range(len(RATES)):
+            yield from ((case, method, verdict, order, joint) for joint in range(case.problem.n_joints))
+
+
+def _segments(case: Case, method: MethodSummary) -> Iterator[Segment]:
+    if method.motion is not None and method.joint is None:
+        yield from ((case, method, k, *ends) for k, ends in enumerate(pairwise(method.motion.waypoint_times)))
 
 
 AGAIN = "again"
@@ -141,98 +221,6 @@ def command(case: Case, method: MethodSummary, source: str = "") -> str:
     return shlex.join([*parts, "--out", AGAIN])
 
 
-def result_record(case: Case, method: MethodSummary, source: str = "", own: MethodSummary | None = None) -> Record:
-    """One row of the results table; times in s, shares as plain numbers.
-
-    Parameters
-    ----------
-    case : Case
-    method : MethodSummary
-    source : str
-        What loads the case.
-    own : MethodSummary, optional
-        The method of the case's own paper.
-    """
-    return {
-        "case": case.name,
-        "rank": method.rank,
-        "method": method.label,
-        "kind": method.kind,
-        "group": group_of(method, own),
-        "path": method.freedom or "",
-        "median_s": _float(method.duration),
-        "best_s": _float(method.best),
-        "gap": _float(method.gap),
-        "behind_same_kind": _float(method.behind_same_kind),
-        "above_bound": _float(method.above_bound),
-        "feasible": f"{method.feasible_runs}/{method.runs}",
-        "runs": method.runs,
-        "feasible_runs": method.feasible_runs,
-        "worst_ratio": _float(method.worst_ratio),
-        "evaluations": method.evaluations,
-        "wall_s": _float(method.wall_time),
-        "claimed_s": _float(method.claimed),
-        "reason": method.reason,
-        "command": command(case, method, source),
-    }
-
-
-def run_records(case: Case, method: MethodSummary) -> list[Record]:
-    """One record for every seed of a method."""
-    return [
-        {
-            "case": case.name,
-            "method": method.label,
-            "seed": run.cell.settings.seed,
-            "status": run.status.value,
-            "duration_s": _float(run.verdict.duration) if run.verdict else None,
-            "feasible": bool(run.verdict and run.verdict.feasible),
-            "worst_ratio": _float(run.verdict.worst_ratio) if run.verdict else None,
-            "waypoint_error": _float(run.verdict.waypoint_error.max()) if run.verdict else None,
-            "continuity": run.verdict.continuity if run.verdict else None,
-            "evaluations": run.evaluations,
-            "iterations": run.iterations,
-            "wall_s": _float(run.wall_time),
-            "message": "; ".join(run.verdict.reasons) if run.verdict and run.verdict.reasons else run.message,
-        }
-        for run in (method.results if method.kind is not Kind.PUBLISHED else ())
-    ]
-
-
-def limit_records(case: Case, method: MethodSummary) -> list[Record]:
-    """One record for every joint and rate of a method's representative motion."""
-    verdict = method.representative.verdict if method.representative else None
-    if verdict is None or method.joint is not None:
-        return []
-    limits = case.problem.limits.rates
-    return [
-        {
-            "case": case.name,
-            "method": method.label,
-            "joint": name,
-            "rate": rate,
-            "peak": _float(verdict.peaks[order, joint]),
-            "limit": _float(limits[order, joint]),
-            "ratio": _float(verdict.ratios[order, joint]),
-            "at_s": _float(verdict.times[order, joint]),
-            "segment": int(verdict.segments[order, joint]) + 1,
-        }
-        for order, rate in enumerate(RATES)
-        for joint, name in enumerate(case.problem.joint_names)
-    ]
-
-
-def segment_records(case: Case, method: MethodSummary) -> list[Record]:
-    """One record for every segment of a method's representative motion."""
-    if method.motion is None or method.joint is not None:
-        return []
-    times = method.motion.waypoint_times
-    return [
-        {"case": case.name, "method": method.label, "segment": k + 1, "start_s": float(a), "duration_s": float(b - a)}
-        for k, (a, b) in enumerate(pairwise(times))
-    ]
-
-
 def write_tables(folder: Path, name: str, summaries: Sequence[CaseSummary], sources: Mapping[str, str]) -> None:
     """Write results, runs, limits and segments of some cases as CSV and Parquet.
 
@@ -246,22 +234,15 @@ def write_tables(folder: Path, name: str, summaries: Sequence[CaseSummary], sour
         What loads a case, where that is not its name.
     """
     pairs = [(summary.case, method) for summary in summaries for method in summary.methods]
-    tables = {
-        "results": [
-            result_record(each.case, method, sources.get(each.case.name, ""), each.best.own)
-            for each in summaries
-            for method in each.methods
-        ],
-        "runs": [record for pair in pairs for record in run_records(*pair)],
-        "limits": [record for pair in pairs for record in limit_records(*pair)],
-        "segments": [record for pair in pairs for record in segment_records(*pair)],
+    runs = [(*pair, run) for pair in pairs if pair[1].kind is not Kind.PUBLISHED for run in pair[1].results]
+    tables: dict[str, tuple[Sequence[Column[Any]], Iterable[Any]]] = {
+        "results": (RESULTS, [(each, m, sources.get(each.case.name, "")) for each in summaries for m in each.methods]),
+        "runs": (RUNS, runs),
+        "limits": (LIMITS, chain.from_iterable(_rates(*pair) for pair in pairs)),
+        "segments": (SEGMENTS, chain.from_iterable(_segments(*pair) for pair in pairs)),
     }
-    for kind, records in tables.items():
-        write_table(folder / f"{name}-{kind}", records, SCHEMAS[kind])
-
-
-def _float(value: float | None) -> float | None:
-    return None if value is None else float(value)
+    for kind, (columns, rows) in tables.items():
+        write_table(folder / f"{name}-{kind}", records(columns, rows), columns)
 
 
 RATE = 50.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Sequence
 
@@ -14,7 +13,8 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from study.report.plot_style import DASHES, GRID, INK, MUTED, RC, SERIES, themed
+from study.report.figures import svg
+from study.report.plot_style import DASHES, GRID, INK, MUTED, RC, SERIES
 from study.reproduction.paper import Panel
 from study.reproduction.uniformity import NUMBERS, chaos_numbers, chi_squares
 from study.search.chaos import N_BINS
@@ -46,7 +46,7 @@ def panels(key: str, shown: Sequence[Panel], columns: int, title: str) -> Markup
             _panel(axes, panel)
             if k > len(shown) - columns:
                 axes.set_xlabel("generation")
-        return _svg(
+        return svg(
             figure,
             key,
             title,
@@ -115,7 +115,7 @@ def histograms(key: str, names: Sequence[str]) -> Markup:
             axes.tick_params(length=0)
             axes.set_title(f"{name}: χ² = {np.median(chi_squares(name)):.1f}", loc="left")
         described = ", ".join(f"{name} {np.median(chi_squares(name)):.1f}" for name in names)
-        return _svg(
+        return svg(
             figure,
             key,
             "Histograms of the maps",
@@ -125,9 +125,3 @@ def histograms(key: str, names: Sequence[str]) -> Markup:
 
 def _figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width / 72, height / 72), layout="constrained")
-
-
-def _svg(figure: Figure, key: str, title: str, description: str) -> Markup:
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return themed(buffer.getvalue(), key, title, description)

@@ -84,14 +84,7 @@ class CMAES:
         numbers = _random_numbers(state.optimiser)
         optimiser = _copied(state.optimiser, {id(numbers): numbers})  # drawn from in `ask` alone, which copies them
         optimiser.tell(list(zip(state.fractions, values.tolist(), strict=True)))
-        incumbent, value = state.improved(values)
-        return replace(
-            state,
-            optimiser=optimiser,
-            incumbent=incumbent,
-            incumbent_value=value,
-            generation=state.generation + 1,
-        )
+        return state.told(values, optimiser=optimiser)
 
     def _optimiser(self, mean: Floats, population: int, rng: np.random.Generator) -> Any:
         try:

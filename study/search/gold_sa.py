@@ -140,7 +140,7 @@ class GoldSA:
         """Spread candidates uniformly."""
         x = uniform_population(box, population, rng)
         sections = Sections.printed if self.reading is PaperReading.AS_PRINTED else Sections.of
-        return GoldState(box, x, generations, 0, x[0], np.inf, sections(*self.interval))
+        return GoldState.new(box, x, generations, sections=sections(*self.interval))
 
     def ask(self, state: GoldState, rng: np.random.Generator) -> GoldState:
         """Move every candidate."""
@@ -152,7 +152,4 @@ class GoldSA:
     def tell(self, state: GoldState, values: Floats, rng: np.random.Generator) -> GoldState:
         """Remember the best and step the golden sections."""
         sections = state.sections if self.reading is PaperReading.AS_PRINTED else state.stepped(values, rng)
-        incumbent, value = state.improved(values)
-        return evolved(
-            state, incumbent=incumbent, incumbent_value=value, generation=state.generation + 1, sections=sections
-        )
+        return state.told(values, sections=sections)

@@ -11,7 +11,7 @@ import numpy as np
 from study.errors import StudyError
 from study.problem import Floats
 from study.search.batched_rng import Rng
-from study.search.state import Box, State, evolved, uniform_population
+from study.search.state import Box, State, uniform_population
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,38 +30,18 @@ class PopulationState(State):
 
     def replaced(self, values: Floats) -> Self:
         """Take the candidates as the new population, better or not."""
-        return self._told(self.candidates, values, values)
+        return self.told(values, members=self.candidates, values=values)
 
     def kept_better(self, values: Floats) -> Self:
         """Take each candidate only where it is better than the member it came from."""
         better = values < self.values
         members = np.where(better[..., None], self.candidates, self.members)
-        return self._told(members, np.where(better, values, self.values), values)
-
-    def _told(self, members: Floats, kept: Floats, values: Floats) -> Self:
-        incumbent, incumbent_value = self.improved(values)
-        return evolved(
-            self,
-            members=members,
-            values=kept,
-            incumbent=incumbent,
-            incumbent_value=incumbent_value,
-            generation=self.generation + 1,
-        )
+        return self.told(values, members=members, values=np.where(better, values, self.values))
 
 
 def new_population(box: Box, positions: Floats, generations: int) -> PopulationState:
     """State of a population that has not been evaluated yet."""
-    return PopulationState(
-        box=box,
-        candidates=positions,
-        generations=generations,
-        generation=0,
-        incumbent=positions[0],
-        incumbent_value=np.inf,
-        members=positions,
-        values=np.full(len(positions), np.inf),
-    )
+    return PopulationState.new(box, positions, generations, members=positions, values=np.full(len(positions), np.inf))
 
 
 def spread_population(box: Box, population: int, generations: int, rng: np.random.Generator) -> PopulationState:

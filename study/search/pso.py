@@ -44,30 +44,17 @@ class SwarmState(State):
     def remembered(self, values: Floats) -> Self:
         """Update own bests, Eq. (19) read as a comparison of fitness values, and the incumbent."""
         better = values < self.own_values
-        incumbent, incumbent_value = self.improved(values)
-        return evolved(
-            self,
+        return self.told(
+            values,
             own_best=np.where(better[..., None], self.candidates, self.own_best),
             own_values=np.where(better, values, self.own_values),
-            incumbent=incumbent,
-            incumbent_value=incumbent_value,
-            generation=self.generation + 1,
         )
 
 
 def new_swarm(box: Box, positions: Floats, velocities: Floats, generations: int) -> SwarmState:
     """State of a swarm that has not been evaluated yet; positions and velocities have the population's shape."""
-    return SwarmState(
-        box=box,
-        candidates=positions,
-        generations=generations,
-        generation=0,
-        incumbent=positions[0],
-        incumbent_value=np.inf,
-        own_best=positions,
-        own_values=np.full(len(positions), np.inf),
-        velocities=velocities,
-    )
+    own_values = np.full(len(positions), np.inf)
+    return SwarmState.new(box, positions, generations, own_best=positions, own_values=own_values, velocities=velocities)
 
 
 def swarm_at_rest(box: Box, positions: Floats, generations: int) -> SwarmState:

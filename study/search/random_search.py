@@ -17,8 +17,7 @@ class RandomSearch(BatchedSearch[State]):
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> State:
         """Draw the first generation."""
-        candidates = uniform_population(box, population, rng)
-        return State(box, candidates, generations, 0, candidates[0], np.inf)
+        return State.new(box, uniform_population(box, population, rng), generations)
 
     def ask(self, state: State, rng: Rng) -> State:
         """Draw the next generation."""
@@ -26,5 +25,4 @@ class RandomSearch(BatchedSearch[State]):
 
     def tell(self, state: State, values: Floats, rng: Rng) -> State:
         """Remember the best."""
-        incumbent, value = state.improved(values)
-        return evolved(state, incumbent=incumbent, incumbent_value=value, generation=state.generation + 1)
+        return state.told(values)

@@ -83,6 +83,16 @@ class State:
         return np.where(better[..., None], leaders, self.incumbent), np.where(better, least, self.incumbent_value)
 
     @classmethod
+    def new(cls, box: Box, positions: Floats, generations: int, **own: Any) -> Self:
+        """State of a population that has not been evaluated yet; `own` are the fields that a kind of state adds."""
+        return cls(box, positions, generations, 0, positions[0], np.inf, **own)
+
+    def told(self, values: Floats, /, **changes: Any) -> Self:
+        """State after the candidates have come back with `values`: incumbent and generation follow, and `changes`."""
+        incumbent, value = self.improved(values)
+        return evolved(self, incumbent=incumbent, incumbent_value=value, generation=self.generation + 1, **changes)
+
+    @classmethod
     def batch(cls, states: Sequence[Self]) -> Self:
         """Stack the states of several runs into one batched state."""
         fields = {name: [getattr(state, name) for state in states] for name in vars(states[0])}

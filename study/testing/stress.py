@@ -25,8 +25,8 @@ FEASIBLE, REASON, TIMEOUT, WRONG, CRASH = (
     "infeasible, unannounced",
     "crash",
 )
-OUTCOMES = (FEASIBLE, REASON, TIMEOUT, WRONG, CRASH)
-"""Possible outcomes of a problem; the last two must not happen."""
+ENDS = (FEASIBLE, REASON, TIMEOUT, WRONG, CRASH)
+"""Possible ends of an attempt; the last two must not happen."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,8 @@ class Attempt:
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """Outcome of an attempt, with its explanation in a sentence."""
+class AttemptEnd:
+    """End of an attempt, with its explanation in a sentence."""
 
     attempt: Attempt
     kind: str
@@ -67,7 +67,7 @@ def problem_number(seed: int, number: int) -> Problem:
     return random_problem(np.random.default_rng([seed, number]), f"random {seed}/{number}")
 
 
-def endure(attempt: Attempt) -> Outcome:
+def endure(attempt: Attempt) -> AttemptEnd:
     """Let a planner solve a random problem and judge it."""
     problem = problem_number(attempt.seed, attempt.number)
     usual = usual_settings(problem)
@@ -76,22 +76,24 @@ def endure(attempt: Attempt) -> Outcome:
     )
     planner = planner_named(attempt.planner)
     if reason := refusal(problem.planner_demands, planner.knows):
-        return Outcome(attempt, REASON, reason)
+        return AttemptEnd(attempt, REASON, reason)
     try:
         plan = in_time(problem, planner.plan(problem, settings))
         verdict = None if plan.motion is None else judge(problem, plan.motion)
     except StudyError as error:
-        return Outcome(attempt, REASON, str(error))
+        return AttemptEnd(attempt, REASON, str(error))
     except Exception as error:  # this is what is looked for
-        return Outcome(attempt, CRASH, f"{type(error).__name__}: {error}")
+        return AttemptEnd(attempt, CRASH, f"{type(error).__name__}: {error}")
     if verdict is None:
-        return Outcome(attempt, REASON if plan.message else WRONG, plan.message or "neither a motion nor a reason")
+        return AttemptEnd(attempt, REASON if plan.message else WRONG, plan.message or "neither a motion nor a reason")
     if verdict.feasible:
-        return Outcome(attempt, FEASIBLE, "")
+        return AttemptEnd(attempt, FEASIBLE, "")
     if ignored := sorted(problem.demands - planner.knows):
-        return Outcome(attempt, REASON, f"it does not know {' or '.join(ignored)}, which the problem has")
+        return AttemptEnd(attempt, REASON, f"it does not know {' or '.join(ignored)}, which the problem has")
     announced = plan.status is not Status.FINISHED and plan.message
-    return Outcome(attempt, REASON if announced else WRONG, plan.message if announced else "; ".join(verdict.reasons))
+    return AttemptEnd(
+        attempt, REASON if announced else WRONG, plan.message if announced else "; ".join(verdict.reasons)
+    )
 
 
 def torture(
@@ -100,7 +102,7 @@ def torture(
     seed: int,
     time_limit: float,
     jobs: int,
-    on_outcome: Callable[[Outcome], None] = lambda outcome: None,
+    on_end: Callable[[AttemptEnd], None] = lambda outcome: None,
 ) -> dict[str, Counter[str]]:
     """Put random problems to planners, in processes that may die.
 
@@ -113,31 +115,31 @@ def torture(
         For each planner on each problem.
     jobs : int
         Worker processes.
-    on_outcome : callable, optional
-        Told of every outcome, in order.
+    on_end : callable, optional
+        Told of every end, in order.
 
     Returns
     -------
     dict of str to Counter
-        For every planner how often each of `OUTCOMES` came.
+        For every planner how often each of `ENDS` came.
     """
     counts = {name: Counter[str]() for name in planners}
     pool = WorkerPool(jobs, lambda attempt: 2.0 * attempt.time_limit + 10.0)
     try:
         attempts = [Attempt(name, seed, k, time_limit) for k in range(problems) for name in planners]
         for attempt, future in [(attempt, pool.submit(endure, attempt)) for attempt in attempts]:
-            outcome = _settled(attempt, future)
-            counts[attempt.planner][outcome.kind] += 1
-            on_outcome(outcome)
+            end = _settled(attempt, future)
+            counts[attempt.planner][end.kind] += 1
+            on_end(end)
     finally:
         pool.shutdown(cancel_futures=True)
     return counts
 
 
-def _settled(attempt: Attempt, future: Future[Outcome]) -> Outcome:
+def _settled(attempt: Attempt, future: Future[AttemptEnd]) -> AttemptEnd:
     try:
         return future.result()
     except Overdue as error:
-        return Outcome(attempt, TIMEOUT, str(error))
+        return AttemptEnd(attempt, TIMEOUT, str(error))
     except WorkerDied as error:
-        return Outcome(attempt, CRASH, str(error))
+        return AttemptEnd(attempt, CRASH, str(error))

@@ -10,7 +10,6 @@ from study.judge import judge
 from study.planning import Status
 from study.problem import EndCondition, JointLimits, Problem, State, StraightPath, Timing, Tube
 from study.runs.execute import CellJob, cell_jobs, stored_results
-from study.runs.lineup import Budget, Spec, make_cells
 from study.runs.remembered import remember_lineup, remembered_lineup
 from study.store.codec import decode, encode, pack_arrays, plain, problem_digest, unpack_arrays
 from study.store.kept import key_of
@@ -29,16 +28,6 @@ def same(a, b):
     if hasattr(a, "__dataclass_fields__") and type(a) is type(b):
         return all(same(getattr(a, field.name), getattr(b, field.name)) for field in fields(a))
     return a == b
-
-
-@pytest.fixture
-def cells(stubs, tiny_case):
-    return make_cells([tiny_case], [Spec("stub-steady"), Spec("stub-seeded")], Budget(3, 50))
-
-
-@pytest.fixture
-def results(cells, tiny_problem):
-    return [CellJob(cell, tiny_problem).run() for cell in cells]
 
 
 @pytest.fixture

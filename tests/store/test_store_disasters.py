@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 from study.errors import StudyError
-from study.runs.execute import CellJob, stored_results
-from study.runs.lineup import Budget, Spec, make_cells
+from study.runs.execute import stored_results
 from study.store.codec import checksum
 from study.store.maintenance import compact, export_columns, merge, tallies, verify
 from study.store.row import CHECKED, SEALED, Row, row_digest
@@ -19,16 +18,6 @@ from study.store.store import Store
 from tests.helpers.stores import change, with_jobs
 
 ROOT = Path(__file__).parents[2]
-
-
-@pytest.fixture
-def cells(stubs, tiny_case):
-    return make_cells([tiny_case], [Spec("stub-steady"), Spec("stub-seeded")], Budget(3, 50))
-
-
-@pytest.fixture
-def results(cells, tiny_problem):
-    return [CellJob(cell, tiny_problem).run() for cell in cells]
 
 
 FILL = """

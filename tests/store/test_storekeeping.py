@@ -15,22 +15,11 @@ import pytest
 
 from study.errors import StudyError
 from study.planning import Status
-from study.runs.execute import CellJob, cell_jobs, stored_results
-from study.runs.lineup import Budget, Spec, make_cells
+from study.runs.execute import cell_jobs, stored_results
 from study.store import maintenance as storekeeping
 from study.store.maintenance import compact, export_columns, merge, tallies, verify
 from study.store.store import Store
 from tests.helpers.stores import change, with_jobs
-
-
-@pytest.fixture
-def cells(stubs, tiny_case):
-    return make_cells([tiny_case], [Spec("stub-steady"), Spec("stub-seeded")], Budget(3, 50))
-
-
-@pytest.fixture
-def results(cells, tiny_problem):
-    return [CellJob(cell, tiny_problem).run() for cell in cells]
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ from study.curves import curve_named
 from study.errors import StudyError
 from study.formulation import Scaled
 from study.planners.segment_times import SegmentTimePlanner
-from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
+from study.planning import RATE_LIMITS, Freedom, Plan, Planner, RunSettings, Status
 from study.problem import Demand, EndCondition, Problem
-from study.registry import bound_named, bound_names, planner_named, planner_names, unavailable_planners
+from study.registry import method_named, method_names, planner_named, planner_names, unavailable_planners
 from study.search.random_search import RandomSearch
 from study.testing import NonconformingError, check_bound, check_planner, check_search, example_problems, random_problem
 
@@ -129,17 +129,16 @@ def test_what_is_wrong_with_a_planner_is_found(planner, sentence):
     "name",
     [
         pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else [])
-        for name in sorted(set(planner_names()) - set(unavailable_planners()))
+        for name in sorted(set(method_names()) - set(unavailable_planners()))
     ],
 )
-def test_every_installed_planner_keeps_the_contract(name):
-    four = [problem for problem in example_problems() if problem.n_waypoints == 4]
-    check_planner(planner_named(name), four, QUICK, may_be_infeasible=name == "toppra")
-
-
-@pytest.mark.parametrize("name", bound_names())
-def test_every_installed_bound_keeps_the_contract(name):
-    check_bound(bound_named(name))
+def test_every_installed_planner_and_bound_keeps_its_contract(name):
+    method = method_named(name)
+    if isinstance(method, Planner):
+        four = [problem for problem in example_problems() if problem.n_waypoints == 4]
+        check_planner(method, four, QUICK, may_be_infeasible=name == "toppra")
+    else:
+        check_bound(method)
 
 
 class Modest:
