@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from study import EndCondition, JointLimits, Problem, StudyError, judge, plan
 from study.planning import RunSettings, usual_settings
 from study.registry import planner_named, planner_names, unavailable_planners
-from study.testing.stress import CRASH, FEASIBLE, ENDS, REASON, WRONG, Attempt, endure, problem_number, torture
+from study.testing.stress import CRASH, ENDS, FEASIBLE, REASON, WRONG, Attempt, endure, problem_number, torture
 
 QUICK = ("casadi-nlp", "ruckig-stops", "toppra", "golds-pso", "random-search")
 ALWAYS = ("casadi-nlp", "ruckig-stops")

@@ -125,27 +125,6 @@ def segment_distances(first: Floats, second: Floats, third: Floats, fourth: Floa
     return np.min(gaps, axis=0)
 
 
-def random_world(rng: np.random.Generator, n_obstacles: int = 10, side: float = 1000.0) -> World:
-    """Random boxes of varying size in a cube; two opposite corners are free, the diagonal between them is not.
-
-    The PUMA560 paper's cube is 1000 on a side with start and goal at opposite corners and a path that has to go round
-    obstacles several times; it does not print them, so these are ours, drawn from a seed, every other one on the
-    diagonal.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-    n_obstacles : int
-    side : float
-
-    References
-    ----------
-    PUMA560 paper, Section 3.1.
-    """
-    corner = np.full(3, side)
-    return boxes_between(rng, (np.zeros(3), corner), (np.zeros(3), corner), n_obstacles)
-
-
 def boxes_between(
     rng: np.random.Generator, space: tuple[Floats, Floats], ends: tuple[Floats, Floats], n_obstacles: int
 ) -> World:

@@ -26,36 +26,11 @@ FIRST_LOOK = 6
 FEW = 3
 """Fewer featured methods than this are joined by the next in rank."""
 
-PALETTE = (
-    (78, 166, 230),
-    (255, 159, 64),
-    (92, 200, 120),
-    (238, 104, 104),
-    (176, 136, 232),
-    (222, 190, 80),
-    (240, 130, 196),
-    (64, 208, 208),
-    (168, 208, 70),
-    (186, 140, 108),
-    (130, 150, 255),
-    (255, 196, 150),
-    (46, 160, 150),
-    (214, 160, 230),
-    (160, 160, 160),
-    (230, 90, 150),
-    (120, 190, 250),
-    (200, 120, 50),
-    (150, 230, 180),
-    (220, 220, 130),
-    (110, 110, 190),
-    (190, 60, 60),
-    (80, 140, 60),
-    (250, 120, 110),
-    (190, 200, 230),
-    (150, 80, 160),
-    (100, 230, 240),
-    (160, 110, 80),
+_COLORS = (
+    "4ea6e6 ff9f40 5cc878 ee6868 b088e8 debe50 f082c4 40d0d0 a8d046 ba8c6c 8296ff ffc496 2ea096 d6a0e6 "
+    "a0a0a0 e65a96 78befa c87832 96e6b4 dcdc82 6e6ebe be3c3c 508c3c fa786e bec8e6 9650a0 64e6f0 a06e50"
 )
+PALETTE = tuple((red, green, blue) for red, green, blue in map(bytes.fromhex, _COLORS.split()))
 """Colours that keep apart on the viewer's dark ground."""
 
 ALIKE = 95.0

@@ -5,7 +5,7 @@ import pytest
 
 from study import StudyError
 from study.pathfinding.rrt import RRT, four_waypoints, length, shortcut
-from study.pathfinding.world import World, arm_clearance, boxes_between, random_world
+from study.pathfinding.world import World, arm_clearance, boxes_between
 
 BOX = World(np.zeros(3), np.full(3, 10.0), np.array([[[4.0, 4.0, 4.0], [6.0, 6.0, 6.0]]]))
 EMPTY = World(np.zeros(3), np.full(3, 10.0), np.empty((0, 2, 3)))
@@ -13,6 +13,12 @@ EMPTY = World(np.zeros(3), np.full(3, 10.0), np.empty((0, 2, 3)))
 
 def segment(a, b):
     return np.array([a], dtype=float), np.array([b], dtype=float)
+
+
+def random_world(rng, n_obstacles=10, side=1000.0):
+    """Random boxes in the PUMA560 paper's cube, whose obstacles are not printed; the diagonal is not free."""
+    corner = np.full(3, side)
+    return boxes_between(rng, (np.zeros(3), corner), (np.zeros(3), corner), n_obstacles)
 
 
 @pytest.mark.parametrize(

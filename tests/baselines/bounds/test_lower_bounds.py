@@ -10,7 +10,7 @@ from baselines.bounds import lower_bounds
 from baselines.bounds.any_motion import AnyMotionBound
 from baselines.bounds.cell_times import Cells, jerk_reach, last_jerk_crossing, reach, shortest_times
 from baselines.bounds.lower_bounds import all_chains, bound, first_cells, lower_bound, with_implied_acceleration
-from baselines.closed_forms import shortest_time, two_limit_time
+from baselines.closed_forms import two_limit_time
 from baselines.free_path.nlp import free_path
 from baselines.path_timing.toppra import retime
 from baselines.state_to_state import via as via_module
@@ -22,6 +22,7 @@ from study.curves import CURVES
 from study.deadline import Deadline
 from study.planning import Freedom, RunSettings
 from study.supervisor import supervised
+from tests.helpers.closed_forms import shortest_time
 from tests.helpers.reference_problems import EACH_LIMIT, INF, small, woodworking
 
 

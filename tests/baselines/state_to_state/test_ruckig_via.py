@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from baselines.closed_forms import largest_displacement, shortest_time
 from baselines.free_path.nlp import FreePathNlp, free_path
 from baselines.state_to_state.moves import Mover, State
 from baselines.state_to_state.stops import ruckig_stops
@@ -12,6 +11,7 @@ from baselines.state_to_state.via_times import Timing, ViaStates
 from study import EndCondition, JointLimits, Problem, judge
 from study.cases.library import load_case
 from study.planning import RunSettings, Status
+from tests.helpers.closed_forms import largest_displacement, shortest_time
 from tests.helpers.reference_problems import EACH_LIMIT, INF, small, woodworking
 
 SETTINGS = RunSettings("cubic-spline", time_limit=60.0)
