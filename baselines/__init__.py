@@ -11,7 +11,8 @@ quintic-nlp      shortest quintic segments, rates free at points  IPOPT, points 
 toppra           fastest along a fixed path                       TOPP-RA                           no jerk
 topp3-nlp        fastest along a fixed path with jerk limits      IPOPT                             rates
 copp             the same                                         cone programs (extra `copp`)      rates, all finite
-ruckig-stops     a stop at every waypoint                         Ruckig, state to state            rates, range kept
+straight         straight lines, corners cut within a tolerance   passes over the corners' speeds   see its `knows`
+ruckig-stops     a stop at every waypoint                         Ruckig, state to state            see its `knows`
 ruckig-via       through the waypoints with Ruckig's moves        linear programs over via states   rates
 free-path-nlp    any motion through the waypoints                 IPOPT, equal pieces               rates
 free-path        any motion through the waypoints                 interior point, pieces per joint  see its `knows`

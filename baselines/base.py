@@ -51,6 +51,24 @@ def held_still(problem: Problem) -> Problem:
     return replace(problem, waypoints=still, allow_dwell=True)
 
 
+def segment_rates(problem: Problem) -> tuple[Floats, Floats]:
+    """Lowest and highest rates on every segment, those of single segments among them, (3, n_segments, n_joints)."""
+    shape = (3, problem.n_segments, problem.n_joints)
+    lowest = np.broadcast_to(problem.limits.lowest_rates[:, None], shape).copy()
+    highest = np.broadcast_to(problem.limits.highest_rates[:, None], shape).copy()
+    for segment, limits in problem.segment_limits.items():
+        lowest[:, segment] = np.maximum(lowest[:, segment], limits.lowest_rates)
+        highest[:, segment] = np.minimum(highest[:, segment], limits.highest_rates)
+    return lowest, highest
+
+
+def along(vectors: Floats, lowest: Floats, highest: Floats) -> Floats:
+    """Largest multiple of each vector within limits by direction, all of shape (..., n_joints)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        most = np.where(vectors > 0, highest / vectors, np.where(vectors < 0, lowest / vectors, np.inf))
+    return np.asarray(most.min(axis=-1))
+
+
 def parts(problem: Problem, settings: RunSettings) -> list[Problem]:
     """Split a problem into its joints where every joint plans alone; else it stays whole."""
     if settings.synchronisation is Synchronisation.PER_JOINT:

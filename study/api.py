@@ -17,7 +17,7 @@ from study.planning import RunSettings, Status, usual_settings
 from study.problem import Problem
 from study.registry import planner_about, planner_named, planner_names
 from study.runs.execute import CellJob
-from study.runs.selections import AUTO, AUTO_RESERVE, AUTO_UNBOUNDED, COMPARED
+from study.runs.selections import AUTO, AUTO_ON_LINES, AUTO_RESERVE, AUTO_UNBOUNDED, COMPARED
 from study.store.results import Cell, Result
 from study.trajectory import Motion
 
@@ -217,6 +217,8 @@ def _planned(
 
 def automatic(problem: Problem) -> tuple[str, ...]:
     """Planners that `plan` tries by itself on a problem; `study.runs.selections` holds the choice."""
+    if problem.path is not None:
+        return AUTO_ON_LINES
     return AUTO_UNBOUNDED if unbounded_joints(problem)[problem.moving].all() else AUTO
 
 

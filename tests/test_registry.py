@@ -185,7 +185,9 @@ def test_a_planner_describes_itself_in_one_line_each():
 
 def test_planners_know_what_they_plan_with():
     assert Demand.JERK not in planner_named("toppra").knows
-    assert planner_named("ruckig-stops").knows == RATE_LIMITS | {Demand.POSITION_RANGE}
+    assert planner_named("ruckig-stops").knows == frozenset(Demand)
+    assert planner_named("straight").knows == frozenset(Demand) - {Demand.MOVING_ENDS, Demand.DURATION, Demand.CYCLE}
+    assert planner_named("casadi-nlp").knows == RATE_LIMITS
     freedoms = {planner_named(name).freedom for name in ("casadi-nlp", "toppra", "quintic-nlp")}
     assert freedoms == set(Freedom)
 

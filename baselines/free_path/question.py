@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from baselines.base import segment_rates
 from study.errors import StudyError
 from study.problem import Floats, Problem
 from study.tolerances import floors
@@ -86,7 +87,7 @@ class FreePathProblem:
 
 def of(problem: Problem) -> FreePathProblem:
     """Express a problem of the study."""
-    lowest, highest = _rates(problem)
+    lowest, highest = segment_rates(problem)
     below, above = _range(problem)
     points = np.arange(problem.n_waypoints)
     return FreePathProblem(
@@ -101,17 +102,6 @@ def of(problem: Problem) -> FreePathProblem:
         dwells=np.array([problem.dwells.get(int(k), 0.0) for k in points]),
         tolerance=problem.tolerances,
     )
-
-
-def _rates(problem: Problem) -> tuple[Floats, Floats]:
-    """Limits of rates on every segment, each of shape (3, n_segments, n_joints)."""
-    shape = (3, problem.n_segments, problem.n_joints)
-    lowest = np.broadcast_to(problem.limits.lowest_rates[:, None], shape).copy()
-    highest = np.broadcast_to(problem.limits.highest_rates[:, None], shape).copy()
-    for segment, limits in problem.segment_limits.items():
-        lowest[:, segment] = np.maximum(lowest[:, segment], limits.lowest_rates)
-        highest[:, segment] = np.minimum(highest[:, segment], limits.highest_rates)
-    return lowest, highest
 
 
 def _range(problem: Problem) -> tuple[Floats, Floats]:

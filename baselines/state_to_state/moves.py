@@ -57,7 +57,9 @@ class Mover:
         self._solved, self._error = (ruckig.Result.Working, ruckig.Result.Finished), ruckig.RuckigError
         self._input.max_velocity = limits.velocity.tolist()
         self._input.max_acceleration = limits.acceleration.tolist()
-        self._input.max_jerk = limits.jerk.tolist()
+        self._input.max_jerk = limits.rates[2].tolist()  # Ruckig knows no other one backwards
+        if not limits.symmetric:
+            self._input.min_velocity, self._input.min_acceleration = limits.lowest_rates[:2].tolist()
 
     def solve(self, start: State, end: State) -> bool:
         """Solve one move; False where Ruckig finds none, as for a move of more than its 7600 s."""
@@ -142,7 +144,7 @@ def chain(problem: Problem, states: Sequence[State]) -> Trajectory:
     mover = Mover(problem.limits)
     widths, coefficients, counts = [], [], []
     for start, end in pairwise(states):
-        if _stands_still(start, end):
+        if stands_still(start, end):
             counts.append(0)
             continue
         width, cubic = mover.pieces(start, end)
@@ -176,5 +178,6 @@ def in_own_time(problem: Problem) -> tuple[Problem, Units]:
     return dimensionless(problem, unit, np.ones(problem.n_joints))
 
 
-def _stands_still(start: State, end: State) -> bool:
+def stands_still(start: State, end: State) -> bool:
+    """Whether two states are one, at rest."""
     return np.array_equal(start.position, end.position) and not any(a.any() for a in (*start[1:], *end[1:]))

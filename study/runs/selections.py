@@ -29,6 +29,9 @@ AUTO = ("free-path", "ruckig-stops")
 AUTO_RESERVE = ("ruckig-via", "casadi-nlp")
 """Planners that are tried too where those above bring nothing but a stop at every waypoint."""
 
+AUTO_ON_LINES = ("straight", "free-path", "ruckig-stops")
+"""Planners that `plan` tries by itself where the path between the waypoints must be straight, or nearly so."""
+
 AUTO_UNBOUNDED = ("free-path-nlp", "ruckig-stops")
 """Planners that `plan` tries where only velocities are limited: straight lines at full speed are then the optimum."""
 
