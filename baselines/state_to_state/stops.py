@@ -30,8 +30,8 @@ def ruckig_stops(problem: Problem) -> Trajectory:
     """Stop at every waypoint, all joints synchronised, each move in minimum time.
 
     Where a joint has no jerk limit its acceleration may step; where it has no acceleration limit either, its velocity
-    may step, also at both ends, and the move takes the distance over the velocity limit. Where the problem has a rule for
-    the path, every move is straight.
+    may step, also at both ends, and the move takes the distance over the velocity limit. Where the problem has a rule
+    for the path, every move is straight.
 
     Raises
     ------
