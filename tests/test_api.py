@@ -388,7 +388,7 @@ def test_a_mistake_is_one_sentence_and_exit_code_2(small, study_command, tmp_pat
     for arguments, sentence in {
         ("plan", "nothing.yaml"): "does not exist",
         ("check", "samples.csv"): "does not exist",
-        ("plan", small, "--units", "deg"): "go with a file of waypoints alone",
+        ("plan", small, "--units", "deg"): "go with waypoints alone",
         ("plan", small, "--planner", "nonsense"): "no planner 'nonsense'",
         ("plan", small, "--save", "a.mat"): "must end in one of",
         ("compare", small, "--seeds", "0"): "number of seeds must be at least 1",
