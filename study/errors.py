@@ -9,9 +9,44 @@ from collections.abc import Iterable, Sequence
 class StudyError(Exception):
     """A mistake the user can mend; its text says where, what was expected, what came and what would do."""
 
+    about_joint: tuple[str, int, tuple[float, ...], int] | None = None
+    """Sentence, joint, values and their order, where the mistake is one joint's; see `joint_error`."""
+
 
 class Interrupted(Exception):
     """Ctrl-C, with the sentence to say."""
+
+
+def joint_error(sentence: str, joint: int, *values: float, order: int = 0, where: str = "") -> StudyError:
+    """Build the error about one joint, which a reader of files can say again by the joint's name and in the file's units.
+
+    Parameters
+    ----------
+    sentence : str
+        With `{joint}` in the joint's place, and `{0}`, `{1}` in those of the values.
+    joint : int
+        Counted from 0.
+    *values : float, rad or m, and s
+    order : int
+        Of the time derivative that the values are.
+    where : str
+        How the message begins.
+    """
+    said = sentence.format(*(f"{value:.10g}" for value in values), joint=f"joint {joint + 1}")
+    error = StudyError(f"{where}: {said}" if where else said)
+    error.about_joint = sentence, joint, values, order
+    return error
+
+
+def in_words_of(error: StudyError, names: Sequence[str], units: Sequence[str], factors: Sequence[float]) -> str:
+    """Say an error about a joint by the names of joints and in units of which each is so many rad or m."""
+    if error.about_joint is None:
+        return str(error)
+    sentence, joint, values, order = error.about_joint
+    unit = units[joint] + ("", "/s", "/s²", "/s³")[order]
+    said = [f"{value / factors[joint]:.10g} {unit}" for value in values]
+    name = names[joint]
+    return sentence.format(*said, joint=name if name == f"joint {joint + 1}" else f"joint {name!r}")
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> StudyError:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from study.arrays import Floats, frozen_array
-from study.errors import StudyError
+from study.errors import StudyError, joint_error
 
 RATES = ("velocity", "acceleration", "jerk")
 
@@ -61,9 +61,8 @@ class JointLimits:
         self._set("upper", self.upper, np.inf, shape)
         if (self.lower >= self.upper).any():
             joint = int(np.argmax(self.lower >= self.upper))
-            raise StudyError(
-                f"position limits of joint {joint + 1} are empty: lower {self.lower[joint]:g}, upper {self.upper[joint]:g}"
-            )
+            ends = self.lower[joint], self.upper[joint]
+            raise joint_error("position limits of {joint} are empty: lower {0}, upper {1}", joint, *ends)
 
     def _shape(self) -> tuple[int]:
         shape = np.shape(frozen_array([] if self.velocity is None else self.velocity, "velocity limits"))
@@ -78,13 +77,15 @@ class JointLimits:
         object.__setattr__(self, name, frozen_array(np.broadcast_to(array, shape), name))
 
     def _check_signs(self, name: str) -> None:
+        order = 1 + RATES.index(name)
         for joint, (value, least) in enumerate(zip(getattr(self, name), self._lowest(name), strict=True)):
             if value <= 0:
-                raise StudyError(
-                    f"{name} limit of joint {joint + 1} must be positive, got {value:g}; leave it out for no limit"
-                )
+                said = f"{name} limit of {{joint}} must be positive, got {{0}}; leave it out for no limit"
+                raise joint_error(said, joint, value, order=order)
             if least >= 0:
-                raise StudyError(f"min_{name} limit of joint {joint + 1} must be negative, got {least:g}")
+                raise joint_error(
+                    f"min_{name} limit of {{joint}} must be negative, got {{0}}", joint, least, order=order
+                )
             for size in (value, -least):
                 if np.isfinite(size) and not 1 / LARGEST <= size <= LARGEST:
                     raise StudyError(

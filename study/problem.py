@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from study.arrays import Floats, check_kinds, frozen_array, index_in, positive
 from study.demands import Demand
-from study.errors import StudyError
+from study.errors import StudyError, joint_error
 from study.limits import LARGEST, OPTIONAL, JointLimits, usual_bounds
 from study.rules import EndCondition, PathRule, State, StraightPath, Timing, Tube, alone, radii
 from study.tolerances import TOLERANCE, floors
@@ -135,10 +135,9 @@ class Problem:
         outside = (self.waypoints < self.limits.lower) | (self.waypoints > self.limits.upper)
         if outside.any():
             row, joint = np.argwhere(outside)[0]
-            raise StudyError(
-                f"{self._where}: waypoint {row + 1} puts joint {joint + 1} at {self.waypoints[row, joint]:g}, outside its "
-                f"range [{self.limits.lower[joint]:g}, {self.limits.upper[joint]:g}]"
-            )
+            values = self.waypoints[row, joint], self.limits.lower[joint], self.limits.upper[joint]
+            said = f"waypoint {row + 1} puts {{joint}} at {{0}}, outside its range [{{1}}, {{2}}]"
+            raise joint_error(said, int(joint), *values, where=self._where)
 
     def _take_names_and_bounds(self) -> None:
         if self.duration_bounds is None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from study.arrays import Floats, frozen_array, positive
-from study.errors import StudyError
+from study.errors import StudyError, joint_error
 from study.limits import OPTIONAL, RATES, JointLimits
 
 
@@ -84,7 +84,9 @@ class State:
             beyond = (rate > limits.highest_rates[order]) | (rate < limits.lowest_rates[order])
             if beyond.any():
                 joint = int(np.argmax(beyond))
-                raise StudyError(f"{where}: end {name} of joint {joint + 1}, {rate[joint]:g}, is beyond its limit")
+                values = rate[joint], limits.lowest_rates[order][joint], limits.highest_rates[order][joint]
+                said = f"end {name} of {{joint}}, {{0}}, is beyond its limits {{1}} and {{2}}"
+                raise joint_error(said, joint, *values, order=order + 1, where=where)
 
     def joint(self, index: int) -> State:
         """State of one joint alone."""

@@ -16,22 +16,25 @@ from study.cases.own_waypoints import (
     chosen_columns,
     moved_segments,
     placed,
-    refuse_outside,
+    stepping_ends,
     tidied_demands,
     unlimited_joints,
     unused_columns,
 )
 from study.cases.paper_file import SI
 from study.datafiles import checked
-from study.errors import StudyError, plural
-from study.io.documents import parsed
-from study.io.limits import OneJoint, read_limits
-from study.io.recordings import holds_samples, read_samples
+from study.errors import StudyError, in_words_of, joint_error, plural
+from study.io.limits import read_limits
+from study.io.one_joint import OneJoint
+from study.io.recordings import read_samples
 from study.io.samples import Samples
 from study.limits import OPTIONAL
 from study.planning import usual_curve
 from study.problem import EndCondition, Floats, JointLimits, Problem
 from study.robots import robot_named
+
+Words = tuple[Sequence[str], Sequence[str], Sequence[float]]
+"""Names and units of the joints, and how many rad or m each unit is."""
 
 _RATES = ("velocity", "acceleration", "jerk")
 
@@ -104,22 +107,31 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
     units = _units(file, rows, read, names, table.shape[1], where)
     factors = np.array([SI[unit][1] for unit in units])
     known = [read.get(name, OneJoint()) for name in names]
-    bounds = _limits(file.limits, known, factors, where)
+    said = names, units, factors.tolist()
+    bounds = _limits(file.limits, known, factors, said, where)
     table, notes = placed(file, table if rows and rows.si else table * factors, known, bounds, names)
-    refuse_outside(table, bounds, names, units, where)
+    outside = np.argwhere((table < bounds.lower) | (table > bounds.upper))
+    if len(outside):
+        row, joint = map(int, outside[0])
+        values = table[row, joint], bounds.lower[joint], bounds.upper[joint]
+        sentence = f"waypoint {row + 1} puts {{joint}} at {{0}}, outside its range [{{1}}, {{2}}]"
+        raise StudyError(f"{where}: {in_words_of(joint_error(sentence, joint, *values), *said)}")
     demands = demands_of(file, factors, len(table), where)
     kept, demands = tidied_demands(file, table, demands, where)
-    problem = Problem(
-        name=file.name or path.stem,
-        waypoints=kept.waypoints,
-        limits=bounds,
-        end=EndCondition[file.end.upper()] if file.end else OPTIONAL,
-        duration_bounds=_duration_bounds(file) or OPTIONAL,
-        joint_names=names,
-        segment_limits=moved_segments(_segment_limits(file, factors, len(table), where), kept),
-        **demands,
-    )
-    warnings += [*notes, *kept.notes, *unlimited_joints(problem, read)]
+    try:
+        problem = Problem(
+            name=file.name or path.stem,
+            waypoints=kept.waypoints,
+            limits=bounds,
+            end=EndCondition[file.end.upper()] if file.end else OPTIONAL,
+            duration_bounds=_duration_bounds(file) or OPTIONAL,
+            joint_names=names,
+            segment_limits=moved_segments(_segment_limits(file, factors, said, len(table), where), kept),
+            **demands,
+        )
+    except StudyError as error:
+        raise StudyError(f"{where}: {in_words_of(error, *said)}" if error.about_joint else str(error)) from None
+    warnings += [*notes, *kept.notes, *unlimited_joints(problem, read), *stepping_ends(file, problem)]
     problem = problem if file.speed is None else problem.at_speed(file.speed)
     sources = {"waypoints": str(file.waypoints) if rows else path.name, "limits": ", ".join(limit_files) or path.name}
     return _parts(file, path, problem, tuple(SI[unit][0] for unit in units), sources, tuple(warnings))
@@ -154,52 +166,6 @@ def _parts(
 def _duration_bounds(file: OwnCase) -> tuple[float, float] | None:
     bounds = file.duration_bounds
     return (bounds.lower, bounds.upper) if bounds else None
-
-
-def bare_content(
-    path: Path, units: str | None, limits: Sequence[Path], joints: str | None = None
-) -> dict[str, Any] | None:
-    """Content of a case file for waypoints alone, or for a case without limits, with what is said beside the file.
-
-    Parameters
-    ----------
-    path : Path
-    units, joints : str, optional
-        One for all or a list with commas; names of the joints that are planned.
-    limits : sequence of Path
-
-    Returns
-    -------
-    dict of str to object, or None
-        None for a case that says everything itself.
-
-    Raises
-    ------
-    StudyError
-        If limits are missing, or are given besides those of a case.
-    """
-    if holds_samples(path):
-        if not limits:
-            raise StudyError(
-                f"file {path.name!r} holds waypoints only; add --limits with a joint_limits.yaml or a URDF, or write a case "
-                "file, see `study init`"
-            )
-        content: dict[str, Any] = {"waypoints": path.name}
-    elif limits or units or joints:
-        given = parsed(path) if path.suffix.lower() in (".yaml", ".yml", ".json") else None
-        content = dict(given) if isinstance(given, dict) else {}
-        if content and not content.keys() & {"waypoints", "limits"}:
-            keys = ", ".join(map(str, list(content)[:8]))
-            raise StudyError(f"file {path.name!r} holds neither waypoints nor a trajectory; its keys are {keys}")
-        if "waypoints" not in content or (set(content) & {"limits", *(("units",) if units else ())}):
-            raise StudyError(
-                f"--limits, --units and --joints go with waypoints alone; {str(path)!r} is a case, which says all three itself"
-            )
-    else:
-        return None
-    content |= {"limits": {"from": [str(file.resolve()) for file in limits]}}
-    content |= {} if joints is None else {"joints": [name.strip() for name in joints.split(",")]}
-    return content if units is None else content | {"units": units.split(",") if "," in units else units}
 
 
 def _rectangle(rows: Any, where: str) -> list[list[float]]:
@@ -267,7 +233,7 @@ def _units(
     return units
 
 
-def _limits(own: OwnRates, read: Sequence[OneJoint], factors: Floats, where: str) -> JointLimits:
+def _limits(own: OwnRates, read: Sequence[OneJoint], factors: Floats, words: Words, where: str) -> JointLimits:
     given = {name: getattr(own, name) for name in _RATES}
     lowest = {f"min_{name}": rate.lower for name, rate in given.items() if isinstance(rate, OwnDirections)}
     highest = {name: rate.upper if isinstance(rate, OwnDirections) else rate for name, rate in given.items()}
@@ -276,13 +242,15 @@ def _limits(own: OwnRates, read: Sequence[OneJoint], factors: Floats, where: str
     try:
         return JointLimits(**{name: _laid_over(value, name, read, factors, where) for name, value in said.items()})
     except StudyError as error:
-        raise StudyError(f"{where}: {error}") from None
+        raise StudyError(f"{where}: {in_words_of(error, *words)}") from None
 
 
-def _segment_limits(file: OwnCase, factors: Floats, n_waypoints: int, where: str) -> dict[int, JointLimits]:
+def _segment_limits(
+    file: OwnCase, factors: Floats, words: Words, n_waypoints: int, where: str
+) -> dict[int, JointLimits]:
     result: dict[int, JointLimits] = {}
     for part in file.segments:
-        limits = _limits(part, [OneJoint()] * len(factors), factors, f"{where}: segments")
+        limits = _limits(part, [OneJoint()] * len(factors), factors, words, f"{where}: segments")
         for segment in segments_between(part.first, part.last, n_waypoints, where):
             result[segment] = tightest(result.get(segment, limits), limits)
     return result

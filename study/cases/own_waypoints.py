@@ -10,9 +10,9 @@ import numpy as np
 
 from study.cases.own_demands import tightest
 from study.cases.own_file import OwnCase
-from study.cases.paper_file import SI
-from study.errors import StudyError
-from study.io.limits import LimitFile, OneJoint
+from study.errors import listed
+from study.io.limits import LimitFile
+from study.io.one_joint import OneJoint
 from study.io.samples import Samples
 from study.io.waypoints import Tidied, tidied, unwound, within
 from study.problem import Floats, JointLimits, Problem
@@ -78,19 +78,6 @@ def placed(
     return table, notes + more
 
 
-def refuse_outside(table: Floats, bounds: JointLimits, names: Sequence[str], units: Sequence[Any], where: str) -> None:
-    """Refuse a waypoint outside a range of positions, in the units of the file."""
-    outside = (table < bounds.lower) | (table > bounds.upper)
-    if outside.any():
-        row, joint = (int(index) for index in np.argwhere(outside)[0])
-        factor = SI[units[joint]][1]
-        value, low, high = (v / factor for v in (table[row, joint], bounds.lower[joint], bounds.upper[joint]))
-        raise StudyError(
-            f"{where}: waypoint {row + 1} puts joint {names[joint]!r} at {value:.10g} {units[joint]}, outside its range "
-            f"[{low:.10g}, {high:.10g}] {units[joint]}"
-        )
-
-
 def tidied_demands(file: OwnCase, table: Floats, demands: dict[str, Any], where: str) -> tuple[Tidied, dict[str, Any]]:
     """Merge and thin the waypoints, and let the demands at waypoints move with them."""
     asked, n_waypoints = {*demands["stops"], *demands["dwells"]}, len(table)
@@ -122,6 +109,19 @@ def moved_segments(limits: Mapping[int, JointLimits], kept: Tidied) -> dict[int,
         if after > place or segment not in kept.kept:
             result[place] = tightest(result.get(place, bounds), bounds)
     return {segment: bounds for segment, bounds in result.items() if segment < len(kept.kept) - 1}
+
+
+def stepping_ends(file: OwnCase, problem: Problem) -> list[str]:
+    """Say that an acceleration that is asked for at an end may be left in an instant by joints without a limit of jerk."""
+    asked = [state for state in (file.end, file.start, file.finish) if state is not None]
+    smooth = any(state == "smooth" or getattr(state, "acceleration", None) is not None for state in asked)
+    free = problem.moving & ~np.isfinite(problem.limits.jerk)
+    names = [name for name, loose in zip(problem.joint_names, free, strict=True) if loose]
+    if not smooth or not names:
+        return []
+    return [
+        f"the acceleration asked for at an end needs a jerk limit to be felt: without one that of {listed(names)} steps there"
+    ]
 
 
 def unlimited_joints(problem: Problem, read: Mapping[str, OneJoint]) -> list[str]:

@@ -11,8 +11,10 @@ import numpy as np
 from study.cases.case import Case
 from study.cases.paper_file import SI
 from study.errors import StudyError, plural, unknown
-from study.io.limits import OneJoint, read_limits
+from study.io.limits import read_limits
+from study.io.one_joint import OneJoint
 from study.io.samples import Samples
+from study.io.waypoints import ROUNDED, unwound
 from study.limits import JointLimits
 from study.planning import usual_settings
 from study.problem import EndCondition, Floats, Problem
@@ -20,8 +22,8 @@ from study.problem import EndCondition, Floats, Problem
 RATES = ("velocity", "acceleration", "jerk")
 
 
-def limits_alone(samples: Samples, files: Sequence[Path], units: str | None, where: str) -> Case:
-    """Make a case of nothing but limits: from the first sample to the last, whatever lies between.
+def limits_alone(samples: Samples, files: Sequence[Path], units: str | None, where: str) -> tuple[Case, Samples]:
+    """Make a case of nothing but limits, from the first sample to the last, and put the samples in its order and in rad and m.
 
     Parameters
     ----------
@@ -48,18 +50,24 @@ def limits_alone(samples: Samples, files: Sequence[Path], units: str | None, whe
     left = [name for name in samples.names if name not in names and name not in limits.followers]
     warnings += [f"not judged: joint {', '.join(map(repr, left))}, which no file of limits knows"] if left else []
     known = [read[name] for name in names]
-    sliding = tuple("m" if joint.sliding else "rad" for joint in known)
+    kinds = tuple("m" if joint.sliding else "rad" for joint in known)
+    samples = _once(_si(samples.of(names, where), kinds, units, where), where)
+    bounds = JointLimits(
+        **{name: _column(known, name) for name in (*RATES, *(f"min_{r}" for r in RATES), "lower", "upper")}
+    )
+    positions, notes = unwound(samples.positions, np.array([bool(joint.endless) for joint in known]), names)
+    samples = replace(samples, positions=positions).noting(*notes)
+    ends = np.clip(positions[[0, -1]], bounds.lower, bounds.upper)
     problem = Problem(
         name=where,
-        waypoints=_si(samples.of(names, where), sliding, units, where).positions[[0, -1]],
-        limits=JointLimits(
-            **{name: _column(known, name) for name in (*RATES, *(f"min_{r}" for r in RATES), "lower", "upper")}
-        ),
+        waypoints=ends,
+        limits=bounds,
         end=EndCondition.FREE,
         allow_dwell=True,
         joint_names=names,
+        tolerance=np.abs(positions[[0, -1]] - ends),
     )
-    return Case(
+    case = Case(
         name=where,
         title="a trajectory against limits alone",
         paper="own",
@@ -68,11 +76,38 @@ def limits_alone(samples: Samples, files: Sequence[Path], units: str | None, whe
         settings=usual_settings(problem),
         planner="golds-pso",
         robot=None,
-        units=sliding,
+        units=kinds,
         published=(),
         notes=(),
         warnings=tuple(warnings),
     )
+    return case, samples
+
+
+def _once(samples: Samples, where: str) -> Samples:
+    """Leave out samples that repeat the one before them, its time among the rest.
+
+    Raises
+    ------
+    StudyError
+        If two samples have the same time and differ, or a later one has an earlier time.
+    """
+    if samples.times is None or len(samples.times) < 2:
+        return samples
+    table = np.column_stack([samples.times, samples.positions, *samples.rates])
+    same = np.append(False, (table[1:] == table[:-1]).all(axis=1))
+    if not same.any():
+        return samples
+    rates = (None if rate is None else rate[~same] for rate in (samples.velocities, samples.accelerations))
+    velocities, accelerations = rates
+    note = f"not used: {plural(int(same.sum()), 'sample')} equal to the one before, the first of them sample {int(same.argmax()) + 1}"
+    return replace(
+        samples,
+        times=samples.times[~same],
+        positions=samples.positions[~same],
+        velocities=velocities,
+        accelerations=accelerations,
+    ).noting(note)
 
 
 def _column(known: Sequence[OneJoint], name: str) -> Floats:
@@ -99,7 +134,7 @@ def motion_of(samples: Samples, case: Case, units: str | None, where: str) -> Sa
         samples = _in_order(samples, len(names), where).noting(
             "no column has the name of a joint of the case, so the columns were taken in their order"
         )
-    return _si(samples.of(names, where), case.units, units, where)
+    return _once(_si(samples.of(names, where), case.units, units, where), where)
 
 
 def _in_order(samples: Samples, n_joints: int, where: str) -> Samples:
@@ -125,7 +160,9 @@ def _in_order(samples: Samples, n_joints: int, where: str) -> Samples:
 def _si(samples: Samples, kinds: Sequence[str], units: str | None, where: str) -> Samples:
     if samples.si:
         return samples
-    said = units.split(",") if units else ["rad"]
+    if not units and not samples.units:
+        samples = samples.noting("the file does not say its units: taken as rad and m; --units says otherwise")
+    said = [unit.strip() for unit in units.split(",")] if units else list(samples.units) or ["rad"]
     said = said * len(kinds) if len(said) == 1 else said
     for unit in said:
         if unit not in SI:
@@ -134,15 +171,20 @@ def _si(samples: Samples, kinds: Sequence[str], units: str | None, where: str) -
         raise StudyError(
             f"{where}: {plural(len(said), 'unit')} for {plural(len(kinds), 'joint')}; give one or one for each"
         )
+    if units and any(mine not in ("", given) for mine, given in zip(samples.units, said, strict=False)):
+        raise StudyError(
+            f"{where}: its columns are in {', '.join(samples.units)}, but --units says {units}; make the two agree"
+        )
     factors = [SI[unit][1] if SI[unit][0] == kind else 1.0 for unit, kind in zip(said, kinds, strict=True)]
     return samples.scaled(np.array(factors))
 
 
 def with_room(problem: Problem, tolerance: float) -> Problem:
-    """Widen limits of rates by a share, and the tolerance of waypoints by that share of every joint's span."""
+    """Widen limits of rates by a share, the tolerance of waypoints by that share of every joint's span, and ranges by rounding."""
     limits, share = problem.limits, 1.0 + tolerance
     given = {name: getattr(limits, name) for name in (*RATES, *(f"min_{rate}" for rate in RATES))}
     rates = {name: rate * share for name, rate in given.items() if rate is not None}
     span = np.ptp(problem.waypoints, axis=0)
     room = np.maximum(problem.tolerances, tolerance * span)
-    return replace(problem, limits=replace(limits, **rates), tolerance=room)
+    ends = {"lower": limits.lower - ROUNDED, "upper": limits.upper + ROUNDED}
+    return replace(problem, limits=replace(limits, **rates, **ends), tolerance=room)

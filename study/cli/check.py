@@ -23,11 +23,10 @@ from study.errors import StudyError, plural
 from study.io.exact import holds_coefficients, read_exact
 from study.io.passages import passages
 from study.io.recordings import holds_samples, read_samples
-from study.io.sampled import Interpolation, joined, sample_use
+from study.io.sampled import Interpolation, breaches, joined
 from study.io.samples import Samples
 from study.judge import judge
 from study.registry import planner_about
-from study.tolerances import TOLERANCE
 from study.trajectory import Motion, Trajectory
 
 SAMPLED = 1e-3
@@ -70,14 +69,17 @@ def check(
         raise StudyError("give --case or --limits, not both: a case has its own limits")
     where = f"file {file.name!r}"
     if samples is None:
-        motion = read_exact(file)
-        known = _known(case, None, limits or [], where)
+        motion, known = read_exact(file), _known(case, where)
+        warn(known, console)
         feasible = report_verdict(known, _passing(motion, known), "exact polynomials", console)
     else:
-        known = _known(case, samples, limits or [], where, units)
-        feasible = _judge_samples(
-            motion_of(samples, known, units, where), known, where, interpolation, tolerance, console
-        )
+        if case is None and limits:
+            known, samples = limits_alone(samples, limits, units, where)
+        else:
+            known = _known(case, where, " or its limits with --limits")
+            samples = motion_of(samples, known, units, where)
+        warn(known, console)
+        feasible = _judge_samples(samples, known, where, interpolation, tolerance, console)
     if not feasible:
         raise typer.Exit(INFEASIBLE)
     console.print("feasible")
@@ -92,17 +94,10 @@ def _timed(samples: Samples, interpolation: Interpolation | None) -> bool:
     return samples.times is not None and (samples.velocities is not None or interpolation is not None)
 
 
-def _known(
-    case: str | None, samples: Samples | None, limits: Sequence[Path], where: str, units: str | None = None
-) -> Case:
-    if case is not None:
-        return load_case(case)
-    if samples is None or not limits:
-        raise StudyError(
-            f"{where} holds a trajectory: name the case that it solves with --case"
-            + (", or its limits with --limits" if samples is not None else "")
-        )
-    return limits_alone(samples, limits, units, where)
+def _known(case: str | None, where: str, other: str = "") -> Case:
+    if case is None:
+        raise StudyError(f"{where} holds a trajectory: name the case that it solves with --case{other}")
+    return load_case(case)
 
 
 def _passing(motion: Motion, case: Case) -> Motion:
@@ -123,9 +118,7 @@ def _judge_samples(
     """Say apart what holds at the samples and what a controller makes of them in between."""
     for note in samples.notes:
         console.print(f"note: {note}", soft_wrap=True)
-    at_samples = [
-        sentence for share, sentence in sample_use(samples, case.problem) if share > 1 + max(tolerance, TOLERANCE)
-    ]
+    at_samples = breaches(samples, case.problem, tolerance, where)
     for sentence in at_samples:
         console.print(f"infeasible at the samples: {sentence}", soft_wrap=True)
     if not at_samples:
@@ -162,13 +155,13 @@ def report_verdict(case: Case, motion: Motion, method: str, console: Console, ro
     )
     console.print(terminal.verdict_table(case.problem, verdict))
     console.print(f"duration {verdict.duration:.9g} s, largest share of a limit {verdict.worst_ratio:.6f}")
-    verdict = judge(with_room(case.problem, room), motion) if room else verdict
-    for reason in verdict.reasons:
+    allowed = judge(with_room(case.problem, room), motion) if room else verdict
+    for reason in () if allowed.feasible else verdict.reasons:
         console.print(f"infeasible: {reason}", soft_wrap=True)
     clearance = nearest(case, motion)
     if clearance is not None:
         console.print(f"{'' if clearance.clear else 'infeasible: '}{clearance.sentence}", soft_wrap=True)
-    return may_be_driven(verdict, clearance)
+    return may_be_driven(allowed, clearance)
 
 
 def _explain(case: Case, console: Console) -> None:

@@ -9,8 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
+from study.cases.bare_file import bare_content
 from study.cases.library import PAPERS_OWN, Case, load_case, own_case
-from study.cases.own_case import bare_content
 from study.errors import StudyError
 from study.io.documents import parsed
 from study.io.sampling import Sampling

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ import numpy as np
 
 from study.errors import StudyError
 from study.io.documents import parsed
+from study.io.one_joint import RATES, OneJoint, tightened
 from study.io.table import number
 from study.io.urdf import Mimic, read_urdf
 
@@ -38,7 +39,6 @@ SWITCHES = {
 }
 """Limits in MoveIt's words: the switch and the value."""
 
-RATES = ("velocity", "acceleration", "jerk")
 PLAIN = (*RATES, "lower", "upper")
 """Limits in the words of franka_description, below `limit`; with nothing below it, they are read too."""
 
@@ -47,41 +47,6 @@ KNOWN |= {"angle_wraparound", "has_effort_limits", "max_effort", "k_position", "
 SCALING = {f"default_{rate}_scaling_factor": (rate, f"min_{rate}") for rate in RATES[:2]}
 FLAT = re.compile(r"(?:.*\.)?(?:joint_limits\.(?P<joint>.+)\.(?P<key>\w+)|(?P<factor>default_\w+_factor))")
 """Parameters of ROS 2 written in one word, levels separated by dots."""
-
-
-@dataclass(frozen=True)
-class OneJoint:
-    """Limits of one joint, rad or m and s; None where the file says nothing.
-
-    Attributes
-    ----------
-    velocity, acceleration, jerk, lower, upper : float, optional
-    min_velocity, min_acceleration, min_jerk : float, optional
-        Lowest rates, negative, where they are not the highest ones mirrored.
-    sliding : bool, optional
-        Whether the joint slides, where the file knows.
-    endless : bool, optional
-        Whether the joint turns without end, where the file knows.
-    """
-
-    velocity: float | None = None
-    acceleration: float | None = None
-    jerk: float | None = None
-    lower: float | None = None
-    upper: float | None = None
-    min_velocity: float | None = None
-    min_acceleration: float | None = None
-    min_jerk: float | None = None
-    sliding: bool | None = None
-    endless: bool | None = None
-
-    def over(self, other: OneJoint) -> OneJoint:
-        """Lay these limits over another file's: what is said here wins."""
-        said = {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) is not None}
-        for name in ("velocity", "acceleration", "jerk"):  # a rate said anew is said in both directions
-            if name in said:
-                said.setdefault(f"min_{name}", None)
-        return replace(other, **said)
 
 
 @dataclass(frozen=True)
@@ -133,7 +98,7 @@ def read_limits(*paths: Path) -> LimitFile:
         if master not in joints or master in mimics:
             continue
         before, followers[name] = joints[master], master
-        joints[master] = _tightened(before, joints[name], multiplier, offset)
+        joints[master] = tightened(before, joints[name], multiplier, offset)
         notes.append(
             f"joint {name!r} follows {master!r}" + (" and tightens its limits" if joints[master] != before else "")
         )
@@ -297,27 +262,3 @@ def _from_urdf(path: Path, mimics: dict[str, Mimic], notes: list[str]) -> dict[s
         )
         for joint in urdf.moving
     }
-
-
-def _tightened(master: OneJoint, follower: OneJoint, multiplier: float, offset: float) -> OneJoint:
-    """Limits of a joint that another one follows: position = multiplier * master + offset."""
-    if not multiplier:
-        return master
-    said: dict[str, float | None] = {}
-    for name in (*RATES, "position"):
-        shift = offset if name == "position" else 0.0
-        ends = sorted((end - shift) / multiplier for end in _span(follower, name))
-        low, high = max(ends[0], _span(master, name)[0]), min(ends[1], _span(master, name)[1])
-        lowest, highest = ("lower", "upper") if name == "position" else (f"min_{name}", name)
-        said[highest] = high if np.isfinite(high) else None
-        said[lowest] = low if np.isfinite(low) and (name == "position" or low != -high) else None
-    return replace(master, **said)  # type: ignore[arg-type]
-
-
-def _span(joint: OneJoint, name: str) -> tuple[float, float]:
-    """Lowest and highest value of a rate or of the position."""
-    lowest, highest = ("lower", "upper") if name == "position" else (f"min_{name}", name)
-    low, high = getattr(joint, lowest), getattr(joint, highest)
-    if low is None and name != "position" and high is not None:
-        low = -high
-    return -np.inf if low is None else low, np.inf if high is None else high

@@ -7,12 +7,15 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline, PPoly
 
 from study.errors import StudyError
 from study.io.passages import passages
 from study.io.samples import Samples
+from study.io.waypoints import ROUNDED
 from study.problem import EndCondition, Floats, Problem
+from study.tolerances import TOLERANCE
 from study.trajectory import Trajectory
 
 
@@ -138,30 +141,51 @@ def _quintic(times: Floats, states: Floats) -> PPoly[np.float64]:
     return pieces
 
 
-def sample_use(samples: Samples, problem: Problem) -> list[tuple[float, str]]:
-    """Largest share of each limit at the samples themselves, whatever happens between them.
+def breaches(samples: Samples, problem: Problem, room: float, where: str) -> list[str]:
+    """Say of every joint which limits it breaks at the samples themselves, whatever happens between them.
 
-    Rates that the file does not give are differences of neighbours.
+    Parameters
+    ----------
+    samples : Samples
+    problem : Problem
+    room : float
+        Share by which rates may exceed their limits; positions may lie beyond a range by rounding.
+    where : str
+        How a message begins.
 
     Returns
     -------
-    list of tuple of (float, str)
-        Share and sentence for velocity and acceleration; positions outside the range count as an infinite share.
+    list of str
+        One sentence for each joint and limit. Rates that the file does not give are differences of neighbours.
     """
-    times = _times(samples, "the motion")
+    times, most, said = _times(samples, where), 1.0 + max(room, TOLERANCE), list[str]()
     given = [*samples.rates]
     while len(given) < 2:
         given.append(np.gradient((samples.positions, *given)[len(given)], times, axis=0))
-    uses = []
     for order, (name, values) in enumerate(zip(("velocity", "acceleration"), given, strict=True)):
         highest, lowest = problem.limits.highest_rates[order], problem.limits.lowest_rates[order]
         shares = np.maximum(values / highest, values / lowest)
-        row, joint = (int(k) for k in np.unravel_index(int(shares.argmax()), shares.shape))
-        sentence = f"{name} of {problem.joint_names[joint]} reaches {shares[row, joint]:.6g} of its limit at {times[row]:.4f} s"
-        uses.append((float(shares[row, joint]), sentence))
+        for joint in map(int, np.flatnonzero((shares > most).any(axis=0))):
+            row = int(shares[:, joint].argmax())
+            said.append(
+                f"{name} of {problem.joint_names[joint]} reaches {shares[row, joint]:.6g} of its limit at {times[row]:.4f} s; "
+                f"broken at {_listed_rows(shares[:, joint] > most)}"
+            )
     excess = np.maximum(problem.limits.lower - samples.positions, samples.positions - problem.limits.upper)
-    row, joint = (int(k) for k in np.unravel_index(int(excess.argmax()), excess.shape))
-    if excess[row, joint] > problem.position_tolerance[joint]:
-        name = problem.joint_names[joint]
-        uses.append((np.inf, f"{name} leaves its range by {excess[row, joint]:.3g} at {times[row]:.4f} s"))
-    return uses
+    outside = excess > np.maximum(problem.position_tolerance, ROUNDED)
+    for joint in map(int, np.flatnonzero(outside.any(axis=0))):
+        row = int(excess[:, joint].argmax())
+        said.append(
+            f"{problem.joint_names[joint]} leaves its range by {excess[row, joint]:.3g} at {times[row]:.4f} s; "
+            f"outside at {_listed_rows(outside[:, joint])}"
+        )
+    return said
+
+
+def _listed_rows(marked: NDArray[np.bool_]) -> str:
+    """Numbers of the marked samples, counted from 1, neighbours as ranges."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(int)))
+    runs = [(int(first) + 1, int(last)) for first, last in edges.reshape(-1, 2)]
+    texts = [f"{first}" if first == last else f"{first} to {last}" for first, last in runs[:6]]
+    more = [f"{len(runs) - 6} more stretches"] if len(runs) > 6 else []
+    return f"sample{'s' if marked.sum() > 1 else ''} {', '.join([*texts, *more])}"

@@ -16,8 +16,8 @@ from study.tolerances import floors
 MERGED = 1e-9
 """Part of the longest joint's span below which neighbours are the same place."""
 
-ROUNDED = 5e-5
-"""Distance beyond a limit that rounding to four decimals explains, rad or m."""
+ROUNDED = 1e-4
+"""Distance beyond a limit that four decimals, rounded or cut off, or two decimals of degrees explain, rad or m."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -114,7 +114,7 @@ WRONG = {
     "duration: soon": "field 'duration'",
     "speed: 2": "field 'speed'",
     "start: {velocity: [1]}": "end velocity must have one number for each of 2 joints, got 1",
-    "start: {velocity: [900, 0]}": "end velocity of joint 1, 15.708, is beyond its limit",
+    "start: {velocity: [900, 0]}": "end velocity of joint 1, 900 deg/s, is beyond its limits -90 deg/s and 90 deg/s",
     "finish: moving": "field 'finish': input should be 'free', 'rest' or 'smooth'",
 }
 

@@ -193,7 +193,9 @@ def test_rounding_at_the_end_of_a_range_is_not_outside_and_more_is_said_in_the_f
     case = case_of(tmp_path, **content, waypoints=[[0.0], [90.0001]])
     assert case.problem.waypoints.max() == case.problem.limits.upper[0]
     assert "onto it" in case.warnings[0]
-    with pytest.raises(StudyError, match=r"waypoint 2 puts joint 'elbow' at 95 deg, outside its range \[-90, 90\] deg"):
+    with pytest.raises(
+        StudyError, match=r"waypoint 2 puts joint 'elbow' at 95 deg, outside its range \[-90 deg, 90 deg\]"
+    ):
         case_of(tmp_path, **content, waypoints=[[0.0], [95.0]])
 
 

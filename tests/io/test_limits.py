@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from study.errors import StudyError
-from study.io.limits import OneJoint, read_limits
+from study.io.limits import read_limits
+from study.io.one_joint import OneJoint
 from study.io.urdf import read_urdf
 from study.robots import robot_named
 from study.robots.chain import screw_x, screw_z
