@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
+
+import numpy as np
 
 from baselines.free_path.interior_point import Ending
 from baselines.free_path.phases import FEWEST, free_path
 from baselines.free_path.question import of
+from baselines.free_path.reduced import in_tube, lasting
 from study.deadline import Deadline
 from study.demands import Demand
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
-from study.problem import Problem
+from study.problem import Problem, Tube
 
 KNOWN = RATE_LIMITS | {
     Demand.POSITION_RANGE,
@@ -24,6 +28,9 @@ KNOWN = RATE_LIMITS | {
     Demand.STOPS,
     Demand.DWELLS,
     Demand.TOLERANCE,
+    Demand.TUBE,
+    Demand.DURATION,
+    Demand.CYCLE,
 }
 
 STATUS = {
@@ -58,10 +65,22 @@ class FreePathPlanner:
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Plan within the settings' time limit; the motion so far where that is not enough."""
         deadline = Deadline.after(settings.time_limit)
+
+        def shaped(problem: Problem) -> Plan:
+            plain = partial(self._solved, deadline=deadline)
+            return in_tube(problem, plain) if isinstance(problem.path, Tube) else plain(problem)
+
+        return shaped(problem) if problem.scalable else lasting(problem, shaped)
+
+    def _solved(self, problem: Problem, deadline: Deadline) -> Plan:
+        """Plan on a free path, as fast as the limits allow."""
         question = of(problem)
         if not question.kinds.any():
             return Plan(Status.NOT_APPLICABLE, message="no joint with a limit moves, so there is no shortest time")
-        answer = free_path(question, self.pieces, deadline)
+        try:
+            answer = free_path(question, self.pieces, deadline)
+        except np.linalg.LinAlgError as error:
+            return Plan(Status.FAILED, message=f"interior point: {error}")
         feasible = judge(problem, answer.motion).feasible
         if not feasible and STATUS[answer.ending] is not Status.FINISHED:
             return Plan(Status.FAILED, iterations=answer.iterations, message=f"interior point: {answer.ending.value}")

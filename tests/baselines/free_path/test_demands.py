@@ -9,7 +9,8 @@ from baselines.closed_forms import three_limit_time
 from baselines.free_path.planner import FreePathPlanner
 from study import EndCondition, JointLimits, Problem, judge
 from study.planning import RunSettings, Status
-from study.problem import State
+from study.problem import State, Timing, Tube
+from study.registry import planner_named
 from tests.helpers.reference_problems import INF
 
 SETTINGS = RunSettings("cubic-spline", time_limit=60.0)
@@ -124,3 +125,41 @@ def test_a_range_that_ends_at_the_waypoints_is_kept(limits):
     low, high = POINTS.min(axis=0), POINTS.max(axis=0)
     motion = planned(replace(limits, lower=low, upper=high))
     assert motion.duration >= planned(limits).duration * (1 - 1e-6)
+
+
+@pytest.mark.parametrize("limits", [JERK, ACCELERATION], ids=["jerk", "acceleration"])
+@pytest.mark.parametrize("radius", [0.04, [0.04, 0.04, 0.5]], ids=["all joints", "two joints"])
+def test_a_tube_costs_time_and_less_than_straight_lines(limits, radius):
+    free, inside = planned(limits), planned(limits, path=Tube(radius))
+    problem = Problem("walk", POINTS, limits, path=Tube(radius))
+    assert "leaves the tube" in judge(problem, free).reasons[0]
+    lines = planner_named("straight").plan(problem, SETTINGS).motion
+    assert free.duration < inside.duration < lines.duration
+
+
+def test_a_wide_tube_costs_nothing():
+    assert planned(JERK, path=Tube(1.0)).duration == pytest.approx(planned(JERK).duration, rel=1e-6)
+
+
+def test_a_tube_keeps_stops_dwells_tolerances_and_limits_of_segments():
+    slow = {1: JointLimits([0.4] * 3, [3.0] * 3, [30.0] * 3)}
+    motion = planned(JERK, path=Tube(0.05), stops=[3], dwells={2: 0.3}, tolerance=0.01, segment_limits=slow)
+    assert motion.between(*motion.waypoint_times[1:3]).extrema(1).peak.max() == pytest.approx(0.4, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("timing", "duration"),
+    [(Timing(at_least=4.0), 4.0), (Timing(exactly=2.1), 2.1), (Timing(cycle=0.05), 2.05)],
+    ids=["with a stop", "without one", "cycles"],
+)
+def test_a_motion_with_moving_ends_lasts_as_long_as_demanded(timing, duration):
+    start = State([0.4, 0.1, -0.2], [1.0, 0.0, 0.0])
+    assert planned(JERK, start=start).duration < duration
+    assert planned(JERK, start=start, timing=timing).duration == pytest.approx(duration, rel=1e-9)
+
+
+def test_too_short_a_duration_between_moving_ends_is_a_reason():
+    problem = Problem("walk", POINTS, JERK, start=State([0.4, 0.1, -0.2]), timing=Timing(exactly=1.0))
+    plan = FreePathPlanner().plan(problem, SETTINGS)
+    assert plan.status is Status.FAILED
+    assert "longer than the 1 s it must take" in plan.message
