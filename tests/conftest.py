@@ -24,6 +24,14 @@ from study.problem import EndCondition, JointLimits, Problem
 STUBS = Path(__file__).parent / "stubs"
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Give every file of tests to one worker, so that what its tests share is made once; not without xdist."""
+    from xdist.scheduler import LoadFileScheduling
+
+    return LoadFileScheduling(config, log) if config.getvalue("dist") == "load" else None
+
+
 @pytest.fixture
 def tiny_problem() -> Problem:
     """Four waypoints, two joints, velocity and acceleration limited, rest to rest."""

@@ -1,15 +1,10 @@
 """The reproduction as a whole: nothing dropped, pages complete, work stored by content, same answer in any pool."""
 
 import csv
-import os
 import re
-import signal
-import time
 import zlib
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from html.parser import HTMLParser
-from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -31,7 +26,7 @@ from study.reproduction.cells import write_cells
 from study.reproduction.convergence import LEVELS, arrived_at, late, levels, settled, settled_at
 from study.reproduction.effort import FULL, Effort
 from study.reproduction.genetic_runs import GeneticJob
-from study.reproduction.jobs import RecordJob, Runs
+from study.reproduction.jobs import Runs
 from study.reproduction.kinematics_runs import BRANCH, KinematicsJob, nearest
 from study.reproduction.motion_runs import MotionJob, OptimumJob, motion_of
 from study.reproduction.page import write_index, write_paper
@@ -49,6 +44,7 @@ from study.search.state import Box
 from study.store.kept import key_of
 from study.store.maintenance import verify
 from study.store.store import Store
+from tests.helpers.troubled import TroubledJob
 
 TINY = Effort("tiny: for tests", 2, 0.02, 2, all_readings=False)
 KEYS = list(PAPERS)
@@ -368,21 +364,13 @@ def test_a_job_names_every_planner_that_it_asks_the_registry_for(job, monkeypatc
     assert asked == set(job.planners())
 
 
-@dataclass(frozen=True)
-class TroubledJob(RecordJob):
-    trouble: str
-    kind: ClassVar[str] = "troubled"
-    weight: ClassVar[float] = 1.0
-    time_limit: ClassVar[float] = 12.0
-
-    def run(self):
-        endings = {"crash": lambda: os.kill(os.getpid(), signal.SIGSEGV), "hang": lambda: time.sleep(99)}
-        endings.get(self.trouble, lambda: [][1])()
-
-
 @pytest.mark.parametrize(
     ("trouble", "reason"),
-    [("crash", "ended by SIGSEGV during this troubled"), ("hang", "time limit of 12 s"), ("raise", "IndexError: list")],
+    [
+        ("crash", "ended by SIGSEGV during this troubled"),
+        ("hang", "time limit of 0.5 s"),
+        ("raise", "IndexError: list"),
+    ],
 )
 @pytest.mark.parametrize("elsewhere", [False, True])
 def test_a_run_that_crashes_or_hangs_is_one_sentence_and_the_others_are_kept(tmp_path, trouble, reason, elsewhere):
