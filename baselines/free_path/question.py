@@ -15,6 +15,9 @@ from study.tolerances import floors
 Flags = NDArray[np.bool_]
 Integers = NDArray[np.intp]
 
+WITHIN = 0.99
+"""Part of a tolerance at waypoints that is used; the pieces of a motion meet to a few parts in a million of a move."""
+
 
 @dataclass(frozen=True, eq=False)
 class FreePathProblem:
@@ -100,7 +103,7 @@ def of(problem: Problem) -> FreePathProblem:
         end=_state(problem, 1),
         stops=np.isin(points, list(problem.stops)),
         dwells=np.array([problem.dwells.get(int(k), 0.0) for k in points]),
-        tolerance=problem.tolerances,
+        tolerance=WITHIN * problem.tolerances,
     )
 
 

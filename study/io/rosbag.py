@@ -43,7 +43,10 @@ def samples_from_bag(path: Path) -> Samples:
                 ]
                 samples = samples_from_documents(messages, where) if messages else None
                 if samples is not None:
-                    return samples
+                    others = sorted(
+                        {c.topic for c in reader.connections if c.msgtype in KINDS} - {c.topic for c in topics}
+                    )
+                    return samples.noting(f"not used: topic {', '.join(others)}") if others else samples
     except StudyError:
         raise
     except Exception as error:  # the package names its errors by the format at work

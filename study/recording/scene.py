@@ -44,13 +44,17 @@ class Look:
 
 @dataclass(frozen=True, eq=False)
 class _Arm:
-    """One method's arm: times (n,) ns, frames (n, n_links + 1, 4, 4), tool speeds (n,), tool places at waypoints."""
+    """One method's arm: times (n,) ns, frames (n, n_links + 1, 4, 4), tool speeds (n,), tool places at waypoints.
+
+    Frames of meshes, shape (n, n_frames, 4, 4), are the arm's and those of joints that follow.
+    """
 
     shown: Shown
     times: np.ndarray
     frames: Floats
     speeds: Floats
     waypoints: Floats
+    mesh_frames: Floats
 
     @property
     def chain(self) -> Floats:
@@ -115,7 +119,7 @@ def log_scene(stream: rr.RecordingStream, contents: Contents, scene: Scene) -> N
     for arm in scene.arms:
         path = entity("arms", method_part(arm.shown.label))
         if scene.shapes:
-            poses = (arm.times, arm.frames)
+            poses = (arm.times, arm.mesh_frames)
             log_meshes(stream, path + "/links", scene.shapes, scene.meshes, poses, arm.shown.color)
         else:
             _log_links(stream, path, arm, 0.016 * reach)
@@ -171,7 +175,10 @@ def _arm(robot: Robot, contents: Contents, shown: Shown) -> _Arm:
         for q in (shown.motion(in_seconds(times)), contents.case.problem.waypoints)
     )
     velocity = np.gradient(frames[:, -1, :3, 3], in_seconds(times), axis=0)
-    return _Arm(shown, times, frames, np.linalg.norm(velocity, axis=1), there[:, -1, :3, 3])
+    speeds, moving = np.linalg.norm(velocity, axis=1), frames
+    if isinstance(robot, UrdfRobot) and robot.carriers:
+        moving = robot.mesh_frames(contents.case.robot_configuration(shown.motion(in_seconds(times))))
+    return _Arm(shown, times, frames, speeds, there[:, -1, :3, 3], moving)
 
 
 def _log_links(stream: rr.RecordingStream, path: str, arm: _Arm, radius: float) -> None:

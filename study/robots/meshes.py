@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
@@ -26,7 +26,7 @@ class Shape:
     Attributes
     ----------
     frame : int
-        Place among the arm's frames, the base first.
+        Place among the arm's frames, the base first, and after them those of joints that follow.
     place : array of shape (4, 4), m
         From that frame to the mesh's.
     scale : array of shape (3,)
@@ -39,14 +39,14 @@ class Shape:
     path: Path
 
 
-def shapes_of(urdf: Urdf, names: Sequence[str], file: Path) -> tuple[Shape, ...]:
-    """Meshes of an arm, each with the frame that carries it; joints that are not named stand at zero.
+def shapes_of(urdf: Urdf, places: Mapping[str, int], file: Path) -> tuple[Shape, ...]:
+    """Meshes of an arm, each with the frame that carries it; other joints stand at zero.
 
     Parameters
     ----------
     urdf : Urdf
-    names : sequence of str
-        Joints that move, from the base on.
+    places : mapping of str to int
+        Joints that move: the frame behind each.
     file : Path
         The URDF file, beside which the meshes are.
 
@@ -55,15 +55,15 @@ def shapes_of(urdf: Urdf, names: Sequence[str], file: Path) -> tuple[Shape, ...]
     StudyError
         If a mesh is missing or has a format that the viewer cannot show.
     """
-    return tuple(_shape(urdf, mesh, names, file) for mesh in urdf.meshes)
+    return tuple(_shape(urdf, mesh, places, file) for mesh in urdf.meshes)
 
 
-def _shape(urdf: Urdf, mesh: UrdfMesh, names: Sequence[str], file: Path) -> Shape:
+def _shape(urdf: Urdf, mesh: UrdfMesh, places: Mapping[str, int], file: Path) -> Shape:
     frame, place = 0, np.eye(4)
     for joint in urdf.above(mesh.link):
         place = place @ joint.origin
-        if joint.name in names:
-            frame, place = list(names).index(joint.name) + 1, np.eye(4)
+        if joint.name in places:
+            frame, place = places[joint.name], np.eye(4)
     return Shape(frame, place @ mesh.origin, mesh.scale, _mesh_file(mesh.file, file))
 
 
