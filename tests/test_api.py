@@ -303,7 +303,7 @@ def test_init_check_plan(tmp_path, study_command):
     assert written == {"my_case.yaml", "my_case.csv", "my_case.npz", "my_case.exact.json"}
     for name in ("my_case.csv", "my_case.exact.json"):
         judged = study_command("check", f"study-output/trajectories/{name}", "--case", "my_case.yaml", cwd=tmp_path)
-        assert "duration 3.3538" in judged.stdout
+        assert re.search(r"my_case +3\.3538\d* s, (may|must not) be driven", judged.stdout)
     assert judged.returncode == 0
     assert "feasible" in judged.stdout
 
@@ -311,8 +311,8 @@ def test_init_check_plan(tmp_path, study_command):
 def test_plan_says_why_and_saves_where_told(small, study_command, tmp_path):
     ended = study_command("plan", small, "--save", tmp_path / "a.csv", "--save", tmp_path / "b.exact.json")
     assert ended.returncode == 0, ended.stderr
-    assert "planner free-path: free path in pieces" in ended.stdout
-    assert "taken: " in ended.stdout
+    assert "tried free-path (free path in pieces" in ended.stdout
+    assert "the fastest of " in ended.stdout
     assert read_exact(tmp_path / "b.exact.json").duration == pytest.approx(2.62, rel=0.05)
 
 
@@ -328,7 +328,7 @@ def test_compare_leaves_trajectory_and_results(small, study_command, tmp_path):
     arguments = ["compare", small, "--planners", "casadi-nlp,ruckig-stops", "--no-report", "--out", tmp_path / "out"]
     ended = study_command(*arguments)
     assert ended.returncode == 0, ended.stderr
-    assert "fastest feasible: ruckig-stops" in ended.stdout
+    assert "planner  ruckig-stops" in ended.stdout
     message = yaml.safe_load((tmp_path / "out" / "trajectories" / "small.yaml").read_text())
     assert message["points"][-1]["velocities"] == pytest.approx([0, 0], abs=1e-9)
     assert "2 cells, 2 of them stored already" in study_command(*arguments).stdout
@@ -344,7 +344,7 @@ def test_a_motion_of_microseconds_is_told_and_sampled_as_such(study_command, tmp
     assert re.search(r"passed at 0\.0000000000, 0\.00000\d{5}, 0\.00000\d{5} s", planned.stdout)
     assert 10 < len((tmp_path / "fast.csv").read_text().splitlines()) < 1000
     compared = study_command("compare", path, "--planners", "ruckig-stops", "--no-report", cwd=tmp_path)
-    assert re.search(r"│ +\d\.\d+e-06 │", compared.stdout), compared.stdout
+    assert re.search(r" \d\.\d+e-06 ", compared.stdout), compared.stdout
 
 
 def test_waypoints_alone_with_limits_from_a_robots_files(study_command, tmp_path):

@@ -30,12 +30,12 @@ def bench(
     for topic, rows in wording.topics(bench.rows):
         console.print(_table(topic, rows))
     for sentence in wording.summary(bench):
-        console.print(sentence, soft_wrap=True, highlight=False)
+        console.print(sentence)
     write(bench, out)
     from study.bench.page import write_page  # here: matplotlib is slow to import
 
-    console.print(f"measurements: {out}", soft_wrap=True)
-    console.print(f"page: {write_page(out, out.parent / 'report')}", soft_wrap=True)
+    console.print(f"measurements: {out}")
+    console.print(f"page: {write_page(out, out.parent / 'report')}")
 
 
 def _table(topic: str, rows: list[Ratio | Limit]) -> Table:

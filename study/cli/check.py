@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -12,7 +12,7 @@ from rich.console import Console
 
 from study.api import automatic
 from study.cases.library import Case, load_case
-from study.cases.obstacles import may_be_driven, nearest
+from study.cases.obstacles import nearest
 from study.cases.recorded import limits_alone, motion_of, with_room
 from study.cautions import cautions, ends_said
 from study.cli import terminal
@@ -71,7 +71,7 @@ def check(
     if samples is None:
         motion, known = read_exact(file), _known(case, where)
         warn(known, console)
-        feasible = report_verdict(known, _passing(motion, known), "exact polynomials", console)
+        feasible = report_verdict(known, _passing(motion, known), console, {"read as": "exact polynomials"})
     else:
         if case is None and limits:
             known, samples = limits_alone(samples, limits, units, where)
@@ -117,15 +117,15 @@ def _judge_samples(
 ) -> bool:
     """Say apart what holds at the samples and what a controller makes of them in between."""
     for note in samples.notes:
-        console.print(f"note: {note}", soft_wrap=True)
+        console.print(f"note: {note}")
     at_samples = breaches(samples, case.problem, tolerance, where)
     for sentence in at_samples:
-        console.print(f"infeasible at the samples: {sentence}", soft_wrap=True)
+        console.print(f"infeasible at the samples: {sentence}")
     if not at_samples:
         console.print("at the samples every limit is kept")
     through = joined(samples, case.problem, where, interpolation)
     console.print(f"between the samples, joined as a controller may, a limit may be exceeded by {100 * tolerance:g} %:")
-    return report_verdict(case, through.trajectory, through.method, console, tolerance) and not at_samples
+    return report_verdict(case, through.trajectory, console, {"read as": through.method}, tolerance) and not at_samples
 
 
 def _case(file: Path, units: str | None, limits: Sequence[Path], joints: str | None) -> Case:
@@ -140,41 +140,53 @@ def _case(file: Path, units: str | None, limits: Sequence[Path], joints: str | N
 def warn(case: Case, console: Console) -> None:
     """Print what must be known before a motion of the case is driven, and what of the files was not used."""
     for caution in cautions(case.problem):
-        console.print(f"warning: {caution}", style="bold red", soft_wrap=True)
+        console.print(f"warning: {caution}", style="bold red")
     for sentence in case.warnings:
-        console.print(f"note: {sentence}", soft_wrap=True)
+        console.print(f"note: {sentence}")
 
 
-def report_verdict(case: Case, motion: Motion, method: str, console: Console, room: float = 0.0) -> bool:
-    """Print what the judge finds of a motion; whether it is feasible, with some room for samples, and hits no obstacle."""
-    verdict = judge(case.problem, motion)
-    if method:
-        console.print(f"read as {method}", soft_wrap=True)
-    console.print(
-        f"waypoints passed at {terminal.times_text(motion.waypoint_times, motion.duration)} s", soft_wrap=True
-    )
-    console.print(terminal.verdict_table(case.problem, verdict))
-    console.print(f"duration {verdict.duration:.9g} s, largest share of a limit {verdict.worst_ratio:.6f}")
-    allowed = judge(with_room(case.problem, room), motion) if room else verdict
-    for reason in () if allowed.feasible else verdict.reasons:
-        console.print(f"infeasible: {reason}", soft_wrap=True)
-    clearance = nearest(case, motion)
-    if clearance is not None:
-        console.print(f"{'' if clearance.clear else 'infeasible: '}{clearance.sentence}", soft_wrap=True)
-    return may_be_driven(allowed, clearance)
+def report_verdict(
+    case: Case, motion: Motion, console: Console, facts: Mapping[str, str] | None = None, room: float = 0.0
+) -> bool:
+    """Print whether a motion may be driven, what binds, and what the judge finds joint by joint.
+
+    Parameters
+    ----------
+    case : Case
+    motion : Motion
+    console : Console
+    facts : mapping of str to str, optional
+        More lines of the card at the head.
+    room : float
+        Share by which limits may be exceeded.
+
+    Returns
+    -------
+    bool
+        Whether the motion is feasible and clear.
+    """
+    verdict, clearance = judge(case.problem, motion), nearest(case, motion)
+    reasons = judge(with_room(case.problem, room), motion).reasons if room else verdict.reasons
+    good = not reasons and (clearance is None or clearance.clear)
+    console.print(terminal.card(case, verdict, good, clearance, facts or {}))
+    for reason in reasons:
+        console.print(f"infeasible: {reason}", style="red")
+    if clearance is not None and not clearance.clear:
+        console.print(f"infeasible: {clearance.sentence}", style="red")
+    console.print(terminal.verdict_table(console, case.problem, verdict))
+    console.print(f"waypoints passed at {terminal.times_text(motion.waypoint_times, motion.duration)} s")
+    return good
 
 
 def _explain(case: Case, console: Console) -> None:
     """Say what was read and what will be done with it."""
     warn(case, console)
-    for table in terminal.case_tables(case):
-        console.print(table)
     problem = case.problem
     console.print(
-        f"{plural(problem.n_joints, 'joint')}, {problem.n_waypoints} waypoints; the motion {ends_said(problem)}",
-        soft_wrap=True,
+        f"{case.name}: {plural(problem.n_joints, 'joint')}, {problem.n_waypoints} waypoints; the motion {ends_said(problem)}; "
+        "the case is complete"
     )
+    console.print(*terminal.case_tables(console, case))
     for name in automatic(problem):
-        console.print(f"planner auto tries {name}: {planner_about(name)}", soft_wrap=True)
+        console.print(f"planner auto tries {name}: {planner_about(name)}")
     console.print(f"planners that choose segment durations use the curve {case.curve}")
-    console.print("the case is complete")

@@ -15,7 +15,7 @@ from study.analysis.case_summary import summarise
 from study.api import COMPARED
 from study.cases.library import Case, case_names, load_case, own_case
 from study.cases.obstacles import may_be_driven, nearest
-from study.cli.check import warn
+from study.cli.check import report_verdict, warn
 from study.cli.inputs import Cycle, Duration, Joints, LimitFiles, Points, Rate, Speed, Wishes, content_of, load_any
 from study.cli.own import FORMS, Accept, Units, no_motion, save_motion, trajectory_file
 from study.cli.screen import complain, make_console
@@ -106,13 +106,14 @@ def compare(
         remember_lineup(store, cells, {case.name: source})
         run_missing(cell_jobs(cells, {case.name: case}), store, console, workers)
         results = stored_results(store, cells, {case.name: case})
-    show({case.name: case}, results, out, console, report)
     best = _best(case, results, console)
-    if best is None or best.motion is None:
+    if best is not None and best.motion is not None:
+        files = [trajectory_file(out, case, form) for form in FORMS]
+        said = save_motion(case, best.motion, files, wishes.sampling, accept)
+        report_verdict(case, best.motion, console, {"planner": best.cell.label} | said)
+    show({case.name: case}, results, out, console, report)
+    if best is None:
         raise typer.Exit(no_motion(case))
-    console.print(f"fastest feasible: {best.cell.label}", soft_wrap=True)
-    files = [trajectory_file(out, case, form) for form in FORMS]
-    save_motion(case, best.motion, files, wishes.sampling, accept, console)
 
 
 def _compare_papers(cases: list[str] | None, out: Path, full: bool, seeds: int | None, workers: Workers) -> None:
@@ -145,8 +146,8 @@ def _build_pages(cases: Mapping[str, Case], path: Path, full: bool, seeds: int |
 
         page = write_pages(findings, path.parent / "report" / "comparison", environment())
     for sentence in summary(findings):
-        console.print(sentence, soft_wrap=True)
-    console.print(f"comparison: {page}", soft_wrap=True)
+        console.print(sentence)
+    console.print(f"comparison: {page}")
 
 
 def _link_comparison(out: Path) -> None:
@@ -182,7 +183,7 @@ def _best(case: Case, results: Sequence[Result], console: Console) -> Result | N
         clearance = nearest(case, result.motion)
         if clearance is None or may_be_driven(result.verdict, clearance):
             return result
-        console.print(f"{result.cell.label}: {clearance.sentence}", soft_wrap=True)
+        console.print(f"{result.cell.label}: {clearance.sentence}")
     return None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Annotated
 
 import typer
@@ -10,6 +11,7 @@ from study.cases.ledger import ledger as ledger_entries
 from study.cases.library import case_names, load_case
 from study.cli import terminal
 from study.cli.screen import make_console
+from study.errors import plural
 from study.registry import method_named, method_names, unavailable_planners
 from study.runs.lineup import default_lineup
 
@@ -18,18 +20,27 @@ cases_app = typer.Typer(help="Look at the cases.", no_args_is_help=True, add_com
 
 def list_all() -> None:
     """List cases and planners; the default ones are what `study run` takes."""
-    console = make_console()
-    console.print(terminal.cases_table(load_case(name) for name in case_names()))
-    broken = unavailable_planners()
-    entries = [(name, broken[name] if name in broken else method_named(name)) for name in method_names()]
-    console.print(terminal.planners_table(entries, [spec.planner for spec in default_lineup()]))
+    console, cases = make_console(), [load_case(name) for name in case_names()]
+    broken, names = unavailable_planners(), method_names()
+    entries = [(name, broken[name] if name in broken else method_named(name)) for name in names]
+    defaults = [spec.planner for spec in default_lineup()]
+    with console.paged():
+        console.print(
+            f"{plural(len(cases), 'case')}, {sum(case.default for case in cases)} of them in the default run; "
+            f"{plural(len(names), 'planner')} and bounds, {len({*defaults})} of them in the default run"
+        )
+        console.print(terminal.cases_table(console, cases), terminal.planners_table(console, entries, defaults))
 
 
 def ledger(paper: Annotated[str | None, typer.Option(help="Key of one paper; all five by default.")] = None) -> None:
     """Print every misprint, contradiction and gap found in the papers, and the reading taken."""
-    console = make_console()
-    for table in terminal.ledger_tables(ledger_entries(paper)):
-        console.print(table)
+    from study.reproduction.book import paper_named  # here: the reproduction is slow to import
+
+    console, entries = make_console(), ledger_entries(None if paper is None else paper_named(paper))
+    kinds = Counter(entry.kind for entry in entries)
+    with console.paged():
+        console.print(f"{len(entries)} entries by kind: {', '.join(f'{kind} {kinds[kind]}' for kind in sorted(kinds))}")
+        console.print(*terminal.ledger_lines(entries), sep="\n")
 
 
 @cases_app.callback()
@@ -40,5 +51,6 @@ def cases() -> None:
 @cases_app.command("show")
 def show_case(name: Annotated[str, typer.Argument(metavar="NAME", help="Name or YAML file.")]) -> None:
     """Print a case: waypoints, limits, sources and notes."""
-    for table in terminal.case_tables(load_case(name)):
-        make_console().print(table)
+    console = make_console()
+    with console.paged():
+        console.print(*terminal.case_tables(console, load_case(name)))

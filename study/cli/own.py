@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
+from study.api import Planned
 from study.api import plan as plan_motion
 from study.cases.library import Case
+from study.cases.obstacles import nearest
 from study.cli.check import SAMPLED, report_verdict, warn
 from study.cli.example import EXAMPLE
 from study.cli.inputs import Cycle, Duration, Joints, LimitFiles, Points, Rate, Speed, Wishes, load_any
 from study.cli.screen import complain, make_console
 from study.cli.shared import DEFAULT_OUT, INFEASIBLE, Out
+from study.errors import StudyError
 from study.files import write_file
 from study.io.export import form_of, points_of, write_motion
 from study.io.filenames import file_stem
@@ -50,7 +52,7 @@ def init(
 ) -> None:
     """Write a commented example of a case to start from."""
     write_file(file, EXAMPLE.replace("NAME", json.dumps(file.stem)), overwrite=False)
-    print(f"wrote {file}; edit it, then: study check {file}, study compare {file}")
+    make_console().print(f"wrote {file}; edit it, then: study check {file}, study compare {file}")
 
 
 def plan(
@@ -88,14 +90,29 @@ def plan(
             synchronisation=Synchronisation(spec.synchronisation or settings.synchronisation),
         )
     warn(case, console)
-    planned = plan_motion(case.problem, spec.planner if spec else "auto", settings)
-    for name, about, result in planned.tried:
-        console.print(f"planner {name}: {about}\n  {_outcome(result)}", soft_wrap=True)
-    console.print(f"taken: {planned.planner}, {planned.why}", soft_wrap=True)
-    if planned.result.motion is None or not report_verdict(case, planned.motion, "", console):
+    with console.status(f"planning {case.name}"):
+        planned = plan_motion(case.problem, spec.planner if spec else "auto", settings)
+    facts = {"planner": f"{planned.planner}, {planned.why}"}
+    if planned.result.motion is None:
+        console.print(*_tried(planned), sep="\n")
         raise typer.Exit(no_motion(case))
-    files = save or [trajectory_file(out, case, form) for form in FORMS]
-    save_motion(case, planned.motion, files, wishes.sampling, accept, console)
+    motion, good = planned.motion, planned.feasible
+    if good and ((clearance := nearest(case, motion)) is None or clearance.clear):
+        files = save or [trajectory_file(out, case, form) for form in FORMS]
+        try:
+            facts |= save_motion(case, motion, files, wishes.sampling, accept)
+        except StudyError:
+            report_verdict(case, motion, console, facts | {"files": "none written"})
+            raise
+    if not report_verdict(case, motion, console, facts):
+        console.print(*_tried(planned), sep="\n")
+        raise typer.Exit(no_motion(case))
+    console.print(*_tried(planned), sep="\n")
+
+
+def _tried(planned: Planned) -> Iterator[str]:
+    for name, about, result in planned.tried:
+        yield f"tried {name} ({about}): {_outcome(result)}"
 
 
 def _outcome(result: Result) -> str:
@@ -111,23 +128,20 @@ def no_motion(case: Case) -> int:
     return INFEASIBLE
 
 
-def save_motion(
-    case: Case, motion: Motion, files: Sequence[Path], sampling: Sampling, accept: bool, console: Console
-) -> None:
-    """Write a motion, and say what a controller that joins the samples makes of it where they do not suit the limits."""
+def save_motion(case: Case, motion: Motion, files: Sequence[Path], sampling: Sampling, accept: bool) -> dict[str, str]:
+    """Write a motion; the files, and what a controller that joins the samples makes of it, as lines for people."""
     for path in files:
         write_motion(motion, case.problem, path, sampling, accept_unbounded_acceleration=accept)
-        console.print(f"trajectory: {path}", soft_wrap=True)
     times = sampling.times(motion, case.problem)
     through = joined(points_of(motion, case.problem, times), case.problem, "the samples")
     share = judge(case.problem, through.trajectory).worst_ratio
-    console.print(f"{len(times)} samples; {through.method}", soft_wrap=True)
+    said = {"files": "\n".join(map(str, files)), "samples": f"{len(times)} samples; {through.method}"}
     if share > 1 + SAMPLED:
-        console.print(
-            f"joined by a controller they reach {share:.3g} of a limit; without --rate, --points or --cycle samples stand where "
-            "the motion needs them, and --speed leaves room",
-            soft_wrap=True,
+        said["caution"] = (
+            f"joined by a controller they reach {share:.3g} of a limit; without --rate, --points or --cycle samples "
+            "stand where the motion needs them, and --speed leaves room"
         )
+    return said
 
 
 def trajectory_file(out: Path, case: Case, form: str) -> Path:

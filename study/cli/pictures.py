@@ -54,4 +54,4 @@ def pictures(
     recording = record_case(summaries[case], recording_file(out, case))
     contents["viewer.png"] = small(picture(recording, midway(summaries[case])))
     for path in write_pictures(folder, case, contents):
-        make_console().print(str(path), soft_wrap=True)
+        make_console().print(str(path))

@@ -62,7 +62,7 @@ def reproduce(
         for paper, printed in entries.items():
             write_paper(paper, printed, runs, effort, pages, facts)
         index = write_index(effort, pages, facts)
-    console.print(f"pages: {index}", f"{time.perf_counter() - begun:.0f} s", sep="\n", soft_wrap=True)
+    console.print(f"pages: {index}", f"{time.perf_counter() - begun:.0f} s", sep="\n")
     return entries
 
 
@@ -141,11 +141,11 @@ def reproduce_command(
     papers = list(PAPERS) if paper is None else [paper_named(paper)]
     reproduced = reproduce(papers, QUICK if quick else FULL, out, Workers.of(jobs, fresh, memory, dask), console)
     for name, entries in reproduced.items():
-        console.print(f"{name}: {line(entries)}", soft_wrap=True)
+        console.print(f"{name}: {line(entries)}")
     flat = [entry for entries in reproduced.values() for entry in entries]
     if commit:
         write_committed(flat, committed_path())
-        console.print(f"verdicts: {committed_path()}", soft_wrap=True)
+        console.print(f"verdicts: {committed_path()}")
     elif not quick and committed_path().is_file():
         changed = changes(flat, read_committed(committed_path()))
-        console.print(f"{len(changed)} verdicts differ from the committed ones", *changed, sep="\n", soft_wrap=True)
+        console.print(f"{len(changed)} verdicts differ from the committed ones", *changed, sep="\n")

@@ -41,6 +41,7 @@ from study.runs.lineup import (
 from study.runs.remembered import remember_lineup, remembered_lineup
 from study.store.store import Store
 
+Details = Annotated[bool, typer.Option("--details", help="Print every method of every case.")]
 CaseList = Annotated[
     list[str] | None,
     typer.Option(
@@ -75,6 +76,7 @@ def run(
             "best motion so far, and every cell as soon as it is finished, with how its search got there.",
         ),
     ] = False,
+    details: Details = False,
     fresh: Fresh = False,
     memory: Memory = None,
     dask: Dask = None,
@@ -97,7 +99,7 @@ def run(
         with watching(chosen, live, stored_results(store, cells, chosen) if live else ()) as watch:
             run_missing(cell_jobs(cells, chosen), store, console, workers, watch)
         results = stored_results(store, cells, chosen)
-    show(chosen, results, out, console, report)
+    show(chosen, results, out, console, report, details=details)
 
 
 def _cases(texts: Sequence[str] | None) -> dict[str, tuple[Case, str]]:
@@ -128,6 +130,7 @@ def _lineup(texts: Sequence[str] | None) -> tuple[Spec, ...]:
 
 def report(
     out: Out = DEFAULT_OUT,
+    details: Details = False,
     interactive: Annotated[
         bool,
         typer.Option(
@@ -148,7 +151,7 @@ def report(
         results = stored_results(store, cells, cases)
     if not results:
         raise StudyError(f"no stored result in {out / STORE_NAME} belongs to the last run; run `study run` first")
-    show(cases, results, out, make_console(), interactive=interactive)
+    show(cases, results, out, make_console(), interactive=interactive, details=details)
 
 
 def view(

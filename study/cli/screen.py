@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, Literal
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
+from rich.table import Table
+from rich.text import Text
 
 UNSAFE = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
 """Control characters, marks that turn the direction of writing, and halves of characters."""
@@ -33,15 +38,108 @@ class SafeConsole(Console):
             else:
                 yield Segment(clean(segment.text), segment.style)
 
+    def print(self, *objects: Any, **options: Any) -> None:
+        """Print; sentences break between words at the end of a line, or not at all where no width is set."""
+        endless = self.endless and all(isinstance(thing, str) for thing in objects)
+        super().print(*objects, **{"soft_wrap": endless, **options})
 
-def make_console() -> Console:
-    """Build the console: as wide as the terminal, or wide enough for all tables where there is none.
+    @property
+    def endless(self) -> bool:
+        """Whether the output goes to a file or a program, for which nobody has set a width."""
+        return not (self.is_terminal or "COLUMNS" in os.environ)
+
+    @contextmanager
+    def paged(self) -> Iterator[None]:
+        """Show what is printed meanwhile page by page, where it goes to a terminal and does not fit on it."""
+        if not self.is_terminal:
+            yield
+            return
+        with self.capture() as captured:
+            yield
+        text = captured.get()
+        if text.count("\n") < self.height:
+            self.file.write(text)
+            return
+        os.environ.setdefault("LESS", "FRX")  # colours, and no page where all fits
+        with self.pager(styles=True):
+            super().print(Text.from_ansi(text), soft_wrap=True)
+
+
+def make_console() -> SafeConsole:
+    """Build the console: as wide as the terminal or as COLUMNS says, or wide enough for all tables where neither is set.
 
     Square brackets and colons in names of joints and cases mean nothing special.
     """
-    plain: dict[str, Any] = {"markup": False, "emoji": False}
+    plain: dict[str, Any] = {"markup": False, "emoji": False, "highlight": False}
     console = SafeConsole(**plain)
-    return console if console.is_terminal else SafeConsole(width=180, **plain)
+    return SafeConsole(width=180, **plain) if console.endless else console
+
+
+def fitted(
+    console: Console,
+    title: str,
+    heads: Sequence[str],
+    rows: Sequence[Sequence[str | Text]],
+    left: Sequence[str] = (),
+    wraps: Sequence[str] = (),
+    gives_way: Sequence[str] = (),
+    styles: Sequence[str] = (),
+    notes: Sequence[str] = (),
+) -> Table:
+    """Build a table that is no wider than the console, in which no number is cut.
+
+    Parameters
+    ----------
+    console : Console
+    title : str
+    heads : sequence of str
+        Names of the columns.
+    rows : sequence of sequence of str or Text
+    left, wraps : sequence of str
+        Columns that stand on the left side, and those among them whose words may go on in the next line.
+    gives_way : sequence of str
+        Columns that are left out, one after the other, until the table fits; a line below names them.
+    styles : sequence of str
+        Of the rows; plain by default.
+    notes : sequence of str
+        Stand below the table.
+    """
+    hidden = list[str]()
+    for name in gives_way:
+        if _least_width(heads, rows, wraps, hidden) <= console.width:
+            break
+        hidden.append(name)
+    notes = [*notes, f"Not shown in {console.width} columns: {', '.join(hidden)}."] if hidden else notes
+    table = Table(title=title, title_justify="left", header_style="bold", caption_justify="left", box=SIMPLE_HEAD)
+    table.caption = " ".join(notes) or None
+    for name in heads:
+        if name not in hidden:
+            justify: Literal["left", "right"] = "left" if name in left or name in wraps else "right"
+            table.add_column(_head(name), justify=justify, no_wrap=name not in wraps, overflow="fold")
+    for row, style in zip(rows, styles or [""] * len(rows), strict=True):
+        table.add_row(*(cell for name, cell in zip(heads, row, strict=True) if name not in hidden), style=style)
+    return table
+
+
+WORD = 14
+"""Characters that a column whose words may wrap is given at least, if it needs them."""
+
+
+def _head(name: str) -> str:
+    """A heading with every long word on a line of its own."""
+    return name.replace(" ", "\n") if len(name) > 9 else name
+
+
+def _least_width(
+    heads: Sequence[str], rows: Sequence[Sequence[str | Text]], wraps: Sequence[str], hidden: Sequence[str]
+) -> int:
+    total = 1
+    for index, name in enumerate(heads):
+        if name not in hidden:
+            cells = [Text.styled(cell) if isinstance(cell, str) else cell for cell in (row[index] for row in rows)]
+            width = max((line.cell_len for text in (Text(_head(name)), *cells) for line in text.split()), default=0)
+            total += 3 + (min(width, WORD) if name in wraps else width)
+    return total
 
 
 def complain(sentence: object) -> None:

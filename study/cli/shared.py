@@ -16,6 +16,7 @@ from rich.console import Console
 from study.analysis.case_summary import CaseSummary, summarise
 from study.cases.library import Case
 from study.cli import terminal
+from study.cli.screen import SafeConsole
 from study.errors import Interrupted
 from study.io.filenames import file_stem
 from study.runs.dask import dask_executor
@@ -178,21 +179,32 @@ def show(
     cases: Mapping[str, Case],
     results: Sequence[Result],
     out: Path,
-    console: Console,
+    console: SafeConsole,
     with_report: bool = True,
     interactive: bool = False,
+    details: bool = False,
 ) -> None:
-    """Print the table of every case and, if so wanted, write the report and the recordings, `interactive` as pages too."""
+    """Print the answer and a table of all cases, or of one case every method; with `details` every method of every case.
+
+    Writes the report and the recordings too, if so wanted, `interactive` as pages too.
+    """
     summaries, flagged = summarise(cases, results), audit_flags(out)
-    for summary in summaries:
-        console.print(terminal.methods_table(summary, flagged))
+    files = {"results": out / STORE_NAME}
     if with_report:
         with console.status("writing the report and the recordings"):
             page, recordings = write(summaries, out, flagged, interactive)
-        console.print(
-            f"report: {page}", f"recordings: {recordings} (open one with `study view CASE`)", sep="\n", soft_wrap=True
-        )
-    console.print(f"results: {out / STORE_NAME}", soft_wrap=True)
+        files |= {"report": page, "recordings": recordings}
+    with console.paged():
+        if len(summaries) > 1:
+            console.print(*terminal.answer_lines(summaries), sep="\n")
+            console.print(terminal.answer_table(console, summaries))
+        if details or len(summaries) == 1:
+            for summary in summaries:
+                console.print(terminal.methods_table(console, summary, flagged), *terminal.reasons(summary), sep="\n")
+        for name, path in files.items():
+            console.print(f"{name}: {path}")
+        if with_report:
+            console.print("`study view CASE` opens a recording" + "; --details prints every method" * (not details))
 
 
 def write(

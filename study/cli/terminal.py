@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 
 import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.cells import cell_len
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
@@ -14,12 +16,16 @@ from rich.text import Text
 
 from study.analysis.case_summary import CaseSummary
 from study.analysis.ends import end_steps
+from study.analysis.featured import IN_ORDER, ROLE_NAMES
 from study.analysis.formatting import DASH, figures, percent, seconds, share, wall
 from study.analysis.methods import Kind, MethodSummary, Standing
+from study.analysis.sentences import answer
 from study.bounds import Method, kind_of
 from study.cases.ledger import Entry
 from study.cases.library import Case
+from study.cases.obstacles import Nearest
 from study.cautions import ends_said
+from study.cli.screen import fitted
 from study.judge import RATES, Verdict
 from study.problem import Floats, Problem
 
@@ -49,28 +55,81 @@ NOTE = (
 )
 
 
-FLAGGED = " ⚑: its result depends on where in its box the optimum stands (`study compare`)."
+FLAGGED = "⚑: its result depends on where in its box the optimum stands (`study compare`)."
 
 
-def methods_table(summary: CaseSummary, flags: Collection[str] = ()) -> Table:
-    """Table of one case: every method, feasible ones first, with the reason where one is infeasible; `flags` get a mark."""
-    case = summary.case
-    table = Table(
-        title=f"{case.name}: {case.title} (limits: {case.limits_label})",
-        title_justify="left",
-        header_style="bold",
-        caption="\n".join((*_apart(summary), NOTE + FLAGGED * bool(flags))),
-        caption_justify="left",
+def answer_lines(summaries: Sequence[CaseSummary]) -> Iterator[str]:
+    """The answer of the study in a few sentences."""
+    budgets = [summary.case.settings.evaluations for summary in summaries]
+    for sentence in answer([summary.best for summary in summaries], budgets):
+        yield f"• {sentence}"
+
+
+def answer_table(console: Console, summaries: Sequence[CaseSummary]) -> Table:
+    """Table with a row for each case: durations in s of the best method of every role."""
+    heads = [ROLE_NAMES[role] for role in IN_ORDER]
+    rows: list[list[str | Text]] = []
+    for summary in summaries:
+        best = summary.best
+        cells: list[str | Text] = [summary.case.name + " †" * best.velocity_only]
+        for role in IN_ORDER:
+            method = getattr(best, role)
+            plain = best.reference
+            text = figures(method.duration) if method is not None else DASH
+            if method is not None and plain is not None and method is not plain and method.median and plain.median:
+                text += f"\n{percent(method.median / plain.median - 1.0)}"
+            cells.append(text)
+        rows.append(cells)
+    marked = "†: limits velocity only, so off its curve a motion may change its speed in an instant."
+    return fitted(
+        console,
+        "Durations in s",
+        ("case", *heads),
+        rows,
+        left=("case",),
+        gives_way=(ROLE_NAMES["free"], ROLE_NAMES["fixed"], ROLE_NAMES["own"], ROLE_NAMES["published"]),
+        notes=(marked,) * any(summary.best.velocity_only for summary in summaries),
     )
-    table.add_column("method", no_wrap=True)
-    table.add_column("path", no_wrap=True)
-    for name in ("duration (s)", "gap", "above bound", "feasible", "worst ratio", "evaluations", "wall (s)"):
-        table.add_column(name, justify="right", no_wrap=True)
-    table.add_column("reason", overflow="fold", style="dim")
+
+
+METHOD_HEADS = (
+    "method",
+    "path",
+    "duration (s)",
+    "gap",
+    "above bound",
+    "feasible",
+    "worst ratio",
+    "evaluations",
+    "wall (s)",
+)
+
+
+def methods_table(console: Console, summary: CaseSummary, flags: Collection[str] = ()) -> Table:
+    """Table of one case: every method, feasible ones first; `flags` get a mark."""
+    case = summary.case
+    return fitted(
+        console,
+        f"{case.name}: {case.title} (limits: {case.limits_label})",
+        METHOD_HEADS,
+        [_method_row(method, method.kind is Kind.SEARCH and method.planner in flags) for method in summary.methods],
+        left=("method", "path"),
+        gives_way=("wall (s)", "above bound", "path", "evaluations", "worst ratio"),
+        styles=[
+            "bold" if method.kind is Kind.BOUND else "" if method.feasible else "red" for method in summary.methods
+        ],
+        notes=(*_apart(summary), NOTE, *[FLAGGED] * bool(flags)),
+    )
+
+
+def reasons(summary: CaseSummary) -> Iterator[str]:
+    """Why methods are infeasible, each reason once, with the methods."""
+    named: dict[str, list[str]] = {}
     for method in summary.methods:
-        style = "bold" if method.kind is Kind.BOUND else "" if method.feasible else "red"
-        table.add_row(*_method_row(method, method.kind is Kind.SEARCH and method.planner in flags), style=style)
-    return table
+        if method.reason:
+            named.setdefault(method.reason, []).append(method.label)
+    for reason, labels in named.items():
+        yield f"{', '.join(labels)}: {reason}"
 
 
 def _apart(summary: CaseSummary) -> Iterator[str]:
@@ -98,7 +157,6 @@ def _method_row(method: MethodSummary, flagged: bool) -> tuple[str | Text, ...]:
         share(method.worst_ratio),
         f"{method.evaluations:,}" if method.evaluations else DASH,
         DASH if method.kind is Kind.PUBLISHED else f"{method.wall_time:.3g}",
-        Text(method.reason),
     )
 
 
@@ -130,61 +188,107 @@ def _shown(count: int) -> tuple[range, range]:
     return (range(count), range(0)) if count <= MOST_ROWS else (range(EDGE_ROWS), range(count - EDGE_ROWS, count))
 
 
-def verdict_table(problem: Problem, verdict: Verdict) -> Table:
-    """Table of what the judge found, joint by joint."""
-    table = Table(header_style="bold")
-    table.add_column("joint")
+def card(case: Case, verdict: Verdict, good: bool, clearance: Nearest | None, facts: Mapping[str, str]) -> Table:
+    """Lines that open what is said of a motion: duration, whether it may be driven, what binds, clearance, `facts`."""
+    grid = Table.grid(padding=(0, 2))
+    grid.add_column(style="bold", no_wrap=True)
+    grid.add_column(overflow="fold")
+    drive = Text("may be driven", style="bold green") if good else Text("must not be driven", style="bold red")
+    grid.add_row(Text(case.name), Text.assemble(f"{verdict.duration:.9g} s, ", drive))
+    if np.isfinite(case.problem.limits.rates).any():
+        grid.add_row("binding", Text(_binding(case.problem, verdict)))
+    if clearance is not None and clearance.clear:
+        grid.add_row("clearance", Text(clearance.sentence))
+    for name, text in facts.items():
+        grid.add_row(name, Text(text))
+    return grid
+
+
+def _binding(problem: Problem, verdict: Verdict) -> str:
+    order, j = divmod(int(np.nanargmax(verdict.ratios)), problem.n_joints)
+    return (
+        f"{RATES[order]} of {problem.joint_names[j]} at {times_text([verdict.times[order, j]], verdict.duration)} s, "
+        f"{100 * verdict.worst_ratio:.4f} % of its limit"
+    )
+
+
+def verdict_table(console: Console, problem: Problem, verdict: Verdict) -> Table:
+    """Table of what the judge found, joint by joint; the largest share of a limit stands in bold."""
+    heads = ["joint"]
     for name in RATES:
-        table.add_column(f"{name}: share of limit", justify="right")
-        table.add_column("at (s)", justify="right")
-    table.add_column("waypoint error", justify="right")
-    table.add_column("overshoot", justify="right")
+        heads += [name, f"{name} at (s)"]
+    rows = []
     for j, joint in enumerate(problem.joint_names):
-        rates = []
+        row: list[str | Text] = [Text(joint)]
         for order, limits in enumerate(problem.limits.rates):
-            rates += [
-                f"{verdict.ratios[order, j]:.6f}" if np.isfinite(limits[j]) else "no limit",
-                times_text([verdict.times[order, j]], verdict.duration),
-            ]
-        table.add_row(joint, *rates, f"{verdict.waypoint_error[j]:.2e}", f"{verdict.overshoot[j]:.2e}")
-    return table
+            limited = np.isfinite(limits[j])
+            ratio = verdict.ratios[order, j]
+            shown = f"{100 * ratio:.4f} %" if limited else "no limit"
+            row.append(Text(shown, style="bold" if limited and ratio == verdict.worst_ratio else ""))
+            row.append(times_text([verdict.times[order, j]], verdict.duration) if limited else DASH)
+        rows.append([*row, f"{verdict.waypoint_error[j]:.2e}", f"{verdict.overshoot[j]:.2e}"])
+    times = [f"{name} at (s)" for name in reversed(RATES)]
+    heads += ["waypoint error", "overshoot"]
+    return fitted(
+        console,
+        "Largest share of every limit, and when",
+        heads,
+        rows,
+        left=("joint",),
+        gives_way=("overshoot", "waypoint error", *times),
+    )
 
 
-def cases_table(cases: Iterable[Case]) -> Table:
+def cases_table(console: Console, cases: Iterable[Case]) -> Table:
     """Table of cases; those of the default run are marked, variants stand indented under their case."""
-    table = Table(title="Cases", title_justify="left", header_style="bold")
-    for name in ("name", "default", "what", "limits", "waypoints", "joints", "curve", "paper's planner"):
-        table.add_column(
-            name,
-            overflow="fold",
-            justify="right" if name in ("waypoints", "joints") else "left",
-            no_wrap=name == "name",
+    rows = [
+        (
+            "  " * bool(case.variant_of) + case.name,
+            "yes" if case.default else "",
+            Text(case.title),
+            case.limits_label,
+            str(case.problem.n_waypoints),
+            str(case.problem.n_joints),
+            case.curve,
+            case.planner,
         )
-    for case in cases:
-        if not case.variant_of:
-            table.add_section()
-        name, size = "  " * bool(case.variant_of) + case.name, (case.problem.n_waypoints, case.problem.n_joints)
-        default = "yes" if case.default else ""
-        table.add_row(name, default, case.title, case.limits_label, *map(str, size), case.curve, case.planner)
-    return table
+        for case in cases
+    ]
+    return fitted(
+        console,
+        "Cases",
+        ("name", "default", "description", "limits", "waypoints", "joints", "curve", "paper's planner"),
+        rows,
+        left=("name", "default", "curve", "paper's planner"),
+        wraps=("description", "limits"),
+        gives_way=("limits", "joints", "waypoints", "curve", "paper's planner"),
+    )
 
 
-def planners_table(entries: Sequence[tuple[str, Method | str]], defaults: Iterable[str]) -> Table:
+def planners_table(console: Console, entries: Sequence[tuple[str, Method | str]], defaults: Iterable[str]) -> Table:
     """Table of planners and bounds; one that cannot be loaded shows the reason."""
-    table = Table(title="Planners", title_justify="left", header_style="bold")
-    for name in ("name", "default", "kind", "may change", "how it works"):
-        table.add_column(name, overflow="fold", no_wrap=name == "name")
     taken = set(defaults)
+    rows: list[tuple[str | Text, ...]] = []
     for name, method in entries:
-        default = "yes" if name in taken else ""
-        if isinstance(method, str):
-            table.add_row(name, default, "not available", "", method, style="red")
-            continue
-        table.add_row(name, default, kind_of(method), method.freedom, method.about)
-    return table
+        broken = isinstance(method, str)
+        kind, freedom, about = (
+            ("not available", "", method)
+            if isinstance(method, str)
+            else (kind_of(method), method.freedom, method.about)
+        )
+        rows.append((name, "yes" if name in taken else "", kind, freedom, Text(about, style="red" if broken else "")))
+    return fitted(
+        console,
+        "Planners",
+        ("name", "default", "kind", "may change", "how it works"),
+        rows,
+        left=("name", "default", "kind", "may change"),
+        wraps=("how it works",),
+        gives_way=("may change", "kind", "default"),
+    )
 
 
-def case_tables(case: Case) -> list[Table]:
+def case_tables(console: Console, case: Case) -> list[Table]:
     """Tables of one case: where its numbers come from, its waypoints and its limits."""
     facts = Table(title=f"{case.name}: {case.title}", title_justify="left", show_header=False)
     facts.add_column(style="bold")
@@ -204,32 +308,47 @@ def case_tables(case: Case) -> list[Table]:
         facts.add_row(f"source of {name}", source)
     for note in case.notes:
         facts.add_row("note", note)
-    return [facts, _waypoints_table(case), _limits_table(case)]
+    return [facts, *_waypoints_tables(console, case), _limits_table(console, case)]
 
 
-def ledger_tables(entries: Iterable[Entry]) -> Iterator[Table]:
-    """Tables of the ledger, one for each paper."""
+def ledger_lines(entries: Iterable[Entry]) -> Iterator[Text]:
+    """The ledger paper by paper, each entry in a few lines."""
     for paper, group in groupby(entries, key=lambda entry: entry.paper):
-        table = Table(title=paper, title_justify="left", header_style="bold", show_lines=True)
-        for name in ("kind", "place", "printed", "problem", "reading", "consequence"):
-            table.add_column(name, overflow="fold")
+        yield Text(f"\n{paper}", style="bold underline")
         for entry in group:
-            table.add_row(entry.kind, entry.place, entry.printed, entry.problem, entry.reading, entry.consequence)
+            yield Text(f"\n{entry.place} ({entry.kind})", style="bold")
+            parts = {"printed": entry.printed, "problem": entry.problem, "reading": entry.reading}
+            for name, text in (parts | {"consequence": entry.consequence}).items():
+                if text:
+                    yield Text.assemble((f"{name}: ", "dim"), text)
+
+
+def _waypoints_tables(console: Console, case: Case) -> Iterator[Table]:
+    """Tables of waypoints, as many joints in each as stand beside each other."""
+    problem = case.problem
+    first, last = _shown(problem.n_waypoints)
+    indices = [*first, *last]
+    cells = [[f"{problem.waypoints[k, j]:.6g}" for k in indices] for j in range(problem.n_joints)]
+    heads = [f"{name}\n({unit})" for name, unit in zip(problem.joint_names, case.units, strict=True)]
+    widths = [3 + max(map(cell_len, [*column, *head.split("\n")])) for head, column in zip(heads, cells, strict=True)]
+    start = 0
+    while start < problem.n_joints:
+        stop, total = start, 4 + len(str(problem.n_waypoints))
+        while stop < problem.n_joints and (stop == start or total + widths[stop] <= console.width):
+            total, stop = total + widths[stop], stop + 1
+        table = Table(
+            title="Waypoints", title_justify="left", header_style="bold", caption_justify="left", box=SIMPLE_HEAD
+        )
+        table.add_column("", justify="right", no_wrap=True)
+        for head in heads[start:stop]:
+            table.add_column(Text(head), justify="right", no_wrap=True)
+        for row, index in enumerate(indices):
+            if last and index == last.start:
+                table.add_row(*["..."] * (stop - start + 1))
+                table.caption = f"waypoints {first.stop + 1:,} to {last.start:,} are not shown"
+            table.add_row(str(index + 1), *(column[row] for column in cells[start:stop]))
         yield table
-
-
-def _waypoints_table(case: Case) -> Table:
-    table = Table(title="Waypoints", title_justify="left", header_style="bold")
-    table.add_column("", justify="right")
-    for name, unit in zip(case.problem.joint_names, case.units, strict=True):
-        table.add_column(f"{name} ({unit})", justify="right")
-    first, last = _shown(case.problem.n_waypoints)
-    for index in (*first, *last):
-        if last and index == last.start:
-            table.add_row(*["..."] * (case.problem.n_joints + 1))
-            table.caption = f"waypoints {first.stop + 1:,} to {last.start:,} are not shown"
-        table.add_row(str(index + 1), *(f"{value:.6g}" for value in case.problem.waypoints[index]))
-    return table
+        start = stop
 
 
 def _rate_text(low: float, high: float, unit: str) -> str:
@@ -239,18 +358,15 @@ def _rate_text(low: float, high: float, unit: str) -> str:
     return " to ".join(f"{end:g}" if np.isfinite(end) else "none" for end in (low, high)) + f" {unit}"
 
 
-def _limits_table(case: Case) -> Table:
-    table = Table(title="Limits", title_justify="left", header_style="bold")
-    table.add_column("")
-    for name in case.problem.joint_names:
-        table.add_column(name, justify="right")
-    units = ("/s", "/s²", "/s³")
-    robot = case.problem.limits
-    for name, unit, lows, highs in zip(RATES, units, robot.lowest_rates, robot.highest_rates, strict=True):
-        both = zip(lows.tolist(), highs.tolist(), case.units, strict=True)
-        table.add_row(name, *(_rate_text(low, high, of + unit) for low, high, of in both))
-    for name, ends in (("lowest position", case.problem.limits.lower), ("highest position", case.problem.limits.upper)):
+def _limits_table(console: Console, case: Case) -> Table:
+    limits, problem = case.problem.limits, case.problem
+    both = zip(limits.lowest_rates, limits.highest_rates, strict=True)
+    columns = dict(zip(RATES, zip(("/s", "/s²", "/s³"), both, strict=True), strict=True))
+    for name, ends in (("lowest position", limits.lower), ("highest position", limits.upper)):
         if np.isfinite(ends).any():
-            values = [f"{v:g} {of}" if np.isfinite(v) else "none" for v, of in zip(ends, case.units, strict=True)]
-            table.add_row(name, *values)
-    return table
+            columns[name] = ("", (-ends, ends))
+    rows: list[list[str | Text]] = [
+        [Text(joint), *(_rate_text(low[j], high[j], case.units[j] + unit) for unit, (low, high) in columns.values())]
+        for j, joint in enumerate(problem.joint_names)
+    ]
+    return fitted(console, "Limits", ("joint", *columns), rows, left=("joint",))

@@ -81,9 +81,10 @@ def test_cases_show_prints_waypoints_limits_and_sources(study_command):
 def test_ledger_prints_every_entry_or_those_of_one_paper(study_command, failing):
     everything = study_command("ledger").stdout
     one = study_command("ledger", "--paper", "woodworking-golds-pso").stdout
+    assert one == study_command("ledger", "--paper", "woodworking").stdout
     assert "woodworking-golds-pso" in one
     assert len(one) < len(everything)
-    assert "no paper 'woodworking'" in failing("ledger", "--paper", "woodworking")
+    assert "no paper 'woodwork'" in failing("ledger", "--paper", "woodwork")
 
 
 def test_run_goes_on_where_it_stopped_and_report_shows_the_same(study_command, stubs, case_file, tmp_path):
@@ -136,7 +137,7 @@ def test_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(stubs, case_file, t
 def test_check_judges_samples_of_positions_and_rates(study_command, sampled, case_file, orders):
     ended = study_command("check", sampled(orders=orders, header=orders > 1), "--case", case_file)
     words = {1: "positions only: a cubic spline", 2: "cubic Hermite", 3: "quintic Hermite"}[orders]
-    assert f"read as {'positions' if orders > 1 else words}" in ended.stdout
+    assert f"read as  {'positions' if orders > 1 else words}" in ended.stdout
     assert words in ended.stdout
     assert "waypoints passed at 0.0000, 3.0000, 6.0000, 9.0000 s" in ended.stdout
     assert ended.returncode == 0, ended.stdout

@@ -1,0 +1,69 @@
+"""Output at every width of a terminal: the answer first, no line too long, no number cut."""
+
+import re
+
+import pytest
+from rich.cells import cell_len
+
+from study.cli.screen import SafeConsole, fitted
+from tests.conftest import run_here
+
+WIDTHS = (60, 80, 120, 200)
+RUN = ("--cases", "woodworking,ur5-bspline", "--planners", "casadi-nlp,golds-pso", "--seeds", 1, "--evaluations", 200)
+CASES = {  # command: what must stand in the first ten lines
+    ("run", *RUN, "--no-report"): "• No",
+    ("run", *RUN, "--no-report", "--details"): "• No",
+    ("plan", "my_case.yaml", "--planner", "ruckig-stops"): "s, may be driven",
+    ("compare", "my_case.yaml", "--planners", "ruckig-stops,centre", "--no-report"): "s, may be driven",
+    ("check", "my_case.yaml"): "the case is complete",
+    ("check", "study-output/trajectories/my_case.csv", "--case", "my_case.yaml"): "s, may be driven",
+    ("check", "study-output/trajectories/my_case.exact.json", "--case", "fast.yaml"): "must not be driven",
+    ("list",): "20 cases, 5 of them in the default run",
+    ("ledger",): "entries by kind: ",
+    ("ledger", "--paper", "woodworking"): "entries by kind: ",
+    ("cases", "show", "ur5-helix"): "ur5-helix",
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("widths")
+    run_here("init", cwd=folder)
+    case = (folder / "my_case.yaml").read_text()
+    (folder / "fast.yaml").write_text(re.sub(r"(velocity: )\S.*", r"\g<1>0.01", case))
+    run_here("run", *RUN, "--no-report", cwd=folder)
+    run_here("plan", "my_case.yaml", "--planner", "ruckig-stops", cwd=folder)
+    return folder
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("arguments", CASES, ids=lambda words: " ".join(map(str, words)))
+def test_lines_fit_and_the_answer_comes_first(folder, monkeypatch, arguments, width):
+    monkeypatch.setenv("COLUMNS", str(width))
+    ended = run_here(*arguments, cwd=folder)
+    lines = ended.stdout.splitlines()
+    assert ended.returncode in (0, 3), ended.stderr
+    assert max(map(cell_len, lines)) <= width
+    assert CASES[arguments] in " ".join(" ".join(lines[:10]).split())
+    assert "…" not in ended.stdout
+    assert not re.search(r"\d\n *\d+ *(%|s)\b", ended.stdout)
+
+
+def test_a_pipe_gets_sentences_whole(folder, monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
+    said = run_here("run", *RUN, "--no-report", cwd=folder).stdout
+    assert any(line.startswith("• No") and line.endswith(".") for line in said.splitlines())
+
+
+def test_columns_give_way_one_by_one_and_are_named():
+    rows = [("free-path", "1234567.12345", "words that may go on in the next line", "12 of 30")]
+    heads, options = ("name", "time (s)", "reason", "runs"), {"left": ("name",), "wraps": ("reason",)}
+    for width, hidden in ((100, ()), (60, ()), (46, ("runs",)), (34, ("runs", "reason"))):
+        console = SafeConsole(width=width, file=None)
+        with console.capture() as captured:
+            console.print(fitted(console, "Table", heads, rows, gives_way=("runs", "reason"), **options))
+        said = captured.get()
+        assert max(map(cell_len, said.splitlines())) <= width
+        assert "1234567.12345" in said
+        note = " ".join(said.split()).partition("Not shown")[2]
+        assert note == (f" in {width} columns: {', '.join(hidden)}." if hidden else "")
