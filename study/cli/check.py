@@ -12,7 +12,7 @@ from rich.console import Console
 
 from study.api import automatic
 from study.cases.library import Case, load_case
-from study.cases.obstacles import nearest
+from study.cases.obstacles import may_be_driven, nearest
 from study.cases.recorded import limits_alone, motion_of, with_room
 from study.cautions import cautions, ends_said
 from study.cli import terminal
@@ -166,10 +166,10 @@ def report_verdict(
         Whether the motion is feasible and clear.
     """
     verdict, clearance = judge(case.problem, motion), nearest(case, motion)
-    reasons = judge(with_room(case.problem, room), motion).reasons if room else verdict.reasons
-    good = not reasons and (clearance is None or clearance.clear)
+    allowed = judge(with_room(case.problem, room), motion) if room else verdict
+    good = may_be_driven(allowed, clearance)
     console.print(terminal.card(case, verdict, good, clearance, facts or {}))
-    for reason in reasons:
+    for reason in () if allowed.feasible else verdict.reasons:
         console.print(f"infeasible: {reason}", style="red")
     if clearance is not None and not clearance.clear:
         console.print(f"infeasible: {clearance.sentence}", style="red")

@@ -111,7 +111,7 @@ def fitted(
         hidden.append(name)
     notes = [*notes, f"Not shown in {console.width} columns: {', '.join(hidden)}."] if hidden else notes
     table = Table(title=title, title_justify="left", header_style="bold", caption_justify="left", box=SIMPLE_HEAD)
-    table.caption = " ".join(notes) or None
+    table.caption = "\n".join(notes) or None
     for name in heads:
         if name not in hidden:
             justify: Literal["left", "right"] = "left" if name in left or name in wraps else "right"
