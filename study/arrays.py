@@ -24,10 +24,13 @@ def frozen_array(values: ArrayLike, what: str) -> Floats:
     Raises
     ------
     StudyError
-        If the values are no rectangular table of numbers, an entry is masked or an entry is not a number.
+        If the values are no rectangular table of numbers, an entry is masked or an entry is not a number; true and false
+        are none.
     """
     if np.ma.is_masked(values):
         raise StudyError(f"{what} holds a masked entry; fill the array in first")
+    if _holds_boolean(values):
+        raise StudyError(f"{what} must be made of numbers, not of true and false")
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
@@ -39,6 +42,14 @@ def frozen_array(values: ArrayLike, what: str) -> Floats:
     return array
 
 
+def _holds_boolean(values: object) -> bool:
+    if isinstance(values, np.ndarray | np.generic):
+        return values.dtype == bool or (values.dtype == object and any(map(_holds_boolean, values.ravel())))
+    if isinstance(values, list | tuple):
+        return any(map(_holds_boolean, values))
+    return isinstance(values, bool)
+
+
 def positive(value: object, what: str) -> float:
     """Read one positive finite number.
 
@@ -47,8 +58,10 @@ def positive(value: object, what: str) -> float:
     StudyError
         If the value is anything else; true and false are no numbers.
     """
-    number = frozen_array(value, what) if isinstance(value, int | float | np.number) else None
-    if number is None or isinstance(value, bool) or not 0 < number < np.inf:
+    number = None
+    if isinstance(value, int | float | np.number) and not isinstance(value, bool):
+        number = frozen_array(value, what)
+    if number is None or not 0 < number < np.inf:
         raise StudyError(f"{what} must be a positive number, got {value!r}")
     return float(number)
 

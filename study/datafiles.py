@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
@@ -86,9 +87,27 @@ def checked(model: type[Model], content: object, where: str) -> Model:
         For the first field that does not fit.
     """
     try:
-        return model.model_validate(content)
+        built = model.model_validate(content)
     except ValidationError as error:
         raise StudyError(_sentence(error, model, where)) from None
+    for field in _booleans(content, built.model_dump(by_alias=True)):
+        raise StudyError(f"{where}: field {field!r} must be a number, got true or false")
+    return built
+
+
+def _booleans(given: Any, taken: Any, field: str = "") -> Iterator[str]:
+    """Fields whose true or false was taken for a number."""
+    if isinstance(given, dict) and isinstance(taken, dict):
+        if any(isinstance(key, bool) for key in given):
+            yield field
+        for key in given.keys() & taken.keys():
+            yield from _booleans(given[key], taken[key], f"{field}.{key}".lstrip("."))
+    elif isinstance(given, list) and isinstance(taken, list | tuple):
+        if not all(type(value) is float for value in given):  # as a long row of numbers is
+            for value, number in zip(given, taken, strict=False):
+                yield from _booleans(value, number, field)
+    elif isinstance(given, bool) and not isinstance(taken, bool):
+        yield field
 
 
 def _sentence(error: ValidationError, model: type[BaseModel], where: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from study.arrays import Floats, frozen_array
+from study.arrays import Floats, frozen_array, positive
 from study.errors import StudyError, joint_error
 
 RATES = ("velocity", "acceleration", "jerk")
@@ -130,7 +130,7 @@ class JointLimits:
 
     def scaled(self, factor: float) -> JointLimits:
         """Limits under which every motion takes exactly `factor` times as long: divided by factor, its square, its cube."""
-        changes = {}
+        factor, changes = positive(factor, "the factor on all times"), {}
         for order, name in enumerate(RATES, start=1):
             changes[name] = getattr(self, name) / factor**order
             if (least := getattr(self, f"min_{name}")) is not None:

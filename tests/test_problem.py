@@ -202,3 +202,23 @@ def test_another_number_of_waypoints_keeps_the_other_demands():
     longer = replace(Problem("p", POINTS, limits(), path=Tube(0.1)), waypoints=[*POINTS, [0.0, 0.0]])
     assert longer.tolerances.shape == (4, 2)
     assert longer.path.of(2).tolist() == [0.1, 0.1]
+
+
+LINE = [[0.0], [1.0], [2.0]]
+ONE = JointLimits([1.0])
+
+
+@pytest.mark.parametrize(
+    "build",
+    [lambda: JointLimits([True]), lambda: JointLimits([1.0], min_jerk=[False]), lambda: JointLimits([1.0], lower=np.array([False])),
+     lambda: Problem("p", [[0.0], [True]], ONE), lambda: Problem("p", np.array([[True], [False]]), ONE),
+     lambda: Problem("p", LINE, ONE, tolerance=[0, True, 0]), lambda: Problem("p", LINE, ONE, duration_bounds=(False, 1.0)),
+     lambda: Problem("p", LINE, ONE, dwells={1: True}), lambda: Problem("p", LINE, ONE, dwells={True: 1.0}),
+     lambda: Problem("p", LINE, ONE, stops=[True]), lambda: Problem("p", LINE, ONE, segment_limits={True: ONE}),
+     lambda: Problem("p", LINE, ONE).at_speed(True), lambda: ONE.scaled(True), lambda: State([True]), lambda: Tube(True),
+     lambda: StraightPath([True]), lambda: Timing(exactly=True), lambda: Timing(cycle=np.True_), lambda: JointLimits(np.array([True], dtype=object))],
+)  # fmt: skip
+def test_true_and_false_are_no_numbers(build):
+    with pytest.raises(StudyError) as refused:
+        build()
+    assert "\n" not in str(refused.value)

@@ -1,5 +1,7 @@
 """Demands in a case file of one's own: each comes to the part of a problem that it names, in rad and m."""
 
+from copy import deepcopy
+
 import jsonschema
 import numpy as np
 import pytest
@@ -7,7 +9,8 @@ import yaml
 
 from study import EndCondition, StudyError
 from study.cases.library import load_case
-from study.cases.own_file import schema
+from study.cases.own_file import OwnCase, schema
+from study.datafiles import checked
 from study.problem import Demand, StraightPath, Tube
 
 PLAIN = """
@@ -137,3 +140,36 @@ def test_a_file_of_another_version_is_refused_in_one_sentence(tmp_path):
         load_case(path)
     path.write_text("version: 1\n" + PLAIN)
     assert load_case(path).problem.n_waypoints >= 2
+
+
+EVERYTHING = {
+    "version": 1, "units": "rad", "waypoints": [[0, 0], [1, 1], [2, 2.5]], "tolerance": [0.1, [0.1, 0.2], 0], "path": {"tube": 0.1},
+    "limits": {"velocity": 1.0, "acceleration": [2, 3], "jerk": {"lower": -5.0, "upper": [5, 6]}, "position": {"lower": -5, "upper": [5, 5]}},
+    "segments": [{"from": 1, "to": 2, "velocity": {"lower": -1, "upper": 1}}], "start": {"velocity": [0, 1]}, "finish": "rest",
+    "stops": [2], "dwells": {2: 0.5}, "duration": {"exactly": 3}, "cycle": 0.1, "speed": 0.5, "arm_radius": 0.1,
+    "obstacles": [{"lower": [0, 0, 0], "upper": [1, 1, 1]}], "duration_bounds": {"lower": 0.1, "upper": 5},
+}  # fmt: skip
+
+
+def numbers(part, place=()):
+    """Places of all numbers in nested lists and mappings."""
+    if isinstance(part, dict | list):
+        for key, inner in part.items() if isinstance(part, dict) else enumerate(part):
+            yield from numbers(inner, (*place, key))
+    elif isinstance(part, int | float):
+        yield place
+
+
+@pytest.mark.parametrize("place", list(numbers(EVERYTHING)), ids=str)
+def test_true_is_no_number_wherever_a_case_has_one(place):
+    content = deepcopy(EVERYTHING)
+    part = content
+    for key in place[:-1]:
+        part = part[key]
+    part[place[-1]] = True
+    with pytest.raises(StudyError, match=r"must be a number|input should be"):
+        checked(OwnCase, content, "file 'x.yaml'")
+
+
+def test_the_case_with_every_kind_of_number_is_accepted():
+    assert checked(OwnCase, EVERYTHING, "file 'x.yaml'").speed == 0.5
