@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import html
 import json
+import re
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from study.bench.run import read
 from study.bounds import kind_of
 from study.cases.ledger import ledger
 from study.cases.own_file import schema
+from study.cli.main import commands_with_names
 from study.registry import method_named, method_names
 
 
@@ -28,7 +30,7 @@ def on_page_markdown(markdown: str, **kwargs: Any) -> str:
     }.items():
         if f"<!-- {mark} -->" in markdown:
             markdown = markdown.replace(f"<!-- {mark} -->", part())
-    return markdown
+    return re.sub(r"<!-- options: (.*) -->", lambda mark: _options(mark[1]), markdown)
 
 
 def on_post_build(config: Any, **kwargs: Any) -> None:
@@ -64,6 +66,19 @@ def _rooms() -> str:
             text = ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))) or ""
             lines.append(f"| `{package}/{folder.name}/` | {text.partition(chr(10))[0]} |")
     return "\n".join(lines)
+
+
+def _options(name: str) -> str:
+    """Table of the arguments and options of a command, from the command itself."""
+    command = dict(commands_with_names())[name]
+    rows = ["| argument or option | meaning |", "|---|---|"]
+    for param in command.params:
+        if param.name != "help":
+            said = " / ".join([*param.opts, *param.secondary_opts]) if param.opts[0].startswith("-") else param.metavar
+            default = param.default if isinstance(param.default, int | float | str | Path) else None
+            known = "" if default is None or isinstance(default, bool) else f" Default: `{default}`."
+            rows.append(f"| `{said}` | {_plain(param.help or '')}{known} |")
+    return "\n".join(rows) if len(rows) > 2 else ""
 
 
 def _ledger() -> str:

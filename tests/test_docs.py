@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from study.cases.own_file import schema
+from study.cli.main import commands_with_names
 from study.testing.stress import reference_planners
 
 ROOT = Path(__file__).parents[1]
@@ -167,3 +168,12 @@ def test_the_docs_build_without_a_warning_and_load_nothing_from_elsewhere(tmp_pa
         assert "<!-- ledger -->" not in text
         assert not re.findall(r'<(?:script|img|iframe)[^>]+src="https?:', text), page.name
         assert not re.findall(r'<link[^>]+rel="stylesheet"[^>]+href="https?:', text), page.name
+
+
+def test_every_command_has_its_section_with_its_options():
+    page = (ROOT / "docs" / "pages" / "commands.md").read_text()
+    for name, command in commands_with_names():
+        _, heading, section = page.partition(f"\n### `study {name}`\n")
+        assert heading, name
+        mark = f"<!-- options: {name} -->" in section.partition("\n### ")[0]
+        assert mark == any(param.name != "help" for param in command.params), name
