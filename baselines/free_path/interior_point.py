@@ -185,7 +185,7 @@ class Run:
         self.state, self.at = state, at
         self.residual = rows.values(at, state.point) - state.slacks
         self.slope: Gradient = gradient(self.frame, at, -state.multipliers, state.equations)
-        self.mu = float(state.multipliers @ state.slacks) / max(rows.count, 1)
+        self.mu = product(state.multipliers, state.slacks) / max(rows.count, 1)
         self.primal = max(float(np.abs(self.residual).max()), float(np.abs(at.errors).max()))
         self.dual = self.slope.size(self.frame.layout)
 
@@ -222,8 +222,8 @@ class Run:
         state = self.state
         first = self._direction(newton, stiffness, np.zeros(1))
         primal, dual = self._room(first, 1.0)
-        gap = (state.slacks + primal * first.slacks) @ (state.multipliers + dual * first.multipliers)
-        share = max(goal.centring, min(1.0, float(gap) / self.frame.rows.count / self.mu) ** 3)
+        gap = product(state.slacks + primal * first.slacks, state.multipliers + dual * first.multipliers)
+        share = max(goal.centring, min(1.0, gap / self.frame.rows.count / self.mu) ** 3)
         target = max(share * self.mu, 0.5 * goal.barrier)
         if goal.centring:
             target = max(target, min(self.mu, PATIENCE * self.dual))
@@ -269,6 +269,11 @@ class Run:
     def _note(self, primal: float, dual: float) -> None:
         duration = float(self.frame.model.tau @ self.state.point.durations)
         self.history.append((self.mu, self.primal, self.dual, duration, primal, dual, self.regularisation))
+
+
+def product(left: Floats, right: Floats) -> float:
+    """Inner product in this thread; BLAS would wake a thread on every processor for it, and let all of them spin."""
+    return float(np.einsum("i,i", left, right))
 
 
 def infeasibility(at: Pieces, residual: Floats) -> float:

@@ -27,8 +27,8 @@ from study.trajectory import Trajectory
 ROUNDS = 6
 """Number of rounds that add rows for the range of positions."""
 
-USUAL, MIDDLING, FEWEST = 8, 5, 3
-"""Pieces per segment: usually, for many waypoints, and for waypoints in close order."""
+USUAL, NO_JERK, MIDDLING, FEWEST = 8, 6, 5, 3
+"""Pieces per segment: usually, where no joint has a jerk limit, for many waypoints, and for waypoints in close order."""
 
 CLOSE, MANY = 100, 500
 """Numbers of segments from which waypoints may stand in close order, and from which eight pieces cost too much."""
@@ -127,14 +127,15 @@ def usual_pieces(question: FreePathProblem, deadline: Deadline = NEVER) -> tuple
     Waypoints in close order along a smooth path are passed in a small part of the time from stop to stop. There
     acceleration changes little within a segment, and three pieces are enough; a first phase with three pieces tells.
     """
+    usual = USUAL if (question.kinds == 3).any() else NO_JERK
     if question.n_segments < CLOSE:
-        return USUAL, None
+        return usual, None
     model = model_of(question, FEWEST)
     outcome = _graded_from(model, None, deadline)
     share = float(outcome.state.point.durations @ model.tau / model.tau.sum())
     if share < SWIFT:
         return FEWEST, outcome.state.point
-    return USUAL if question.n_segments < MANY else MIDDLING, None
+    return usual if question.n_segments < MANY else MIDDLING, None
 
 
 def _goals(deadline: Deadline) -> tuple[Goal, Goal, Goal]:
