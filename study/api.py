@@ -13,15 +13,31 @@ from study.errors import StudyError
 from study.io.export import write_motion
 from study.io.sampling import Sampling
 from study.judge import Verdict
-from study.planning import RunSettings, Status, usual_settings
-from study.problem import Problem
+from study.planning import RATE_LIMITS, RunSettings, Status, usual_settings
+from study.problem import Demand, EndCondition, Problem
 from study.registry import planner_about, planner_named, planner_names
 from study.runs.execute import CellJob
-from study.runs.selections import AUTO, AUTO_ON_LINES, AUTO_RESERVE, AUTO_UNBOUNDED, COMPARED
+from study.runs.selections import (
+    AUTO,
+    AUTO_ON_LINES,
+    AUTO_RESERVE,
+    AUTO_UNBOUNDED,
+    AUTO_WITHOUT_JERK,
+    COMPARED,
+    DIRECT,
+    FAST,
+)
 from study.store.results import Cell, Result
 from study.trajectory import Motion
 
-__all__ = ["COMPARED", "Comparison", "Planned", "automatic", "compare", "plan", "usual_settings"]
+__all__ = ["COMPARED", "TIERS", "Comparison", "Planned", "automatic", "compare", "plan", "usual_settings"]
+
+TIERS = {
+    "best": "the shortest motion known: it starts from `fast` and never ends above it",
+    "fast": "a short motion in milliseconds: the timing of a spline, or the free path with widths shared out alike",
+    "auto": "another name of `best`",
+}
+"""Ways to let `plan` choose planners by itself."""
 
 STILL = 1e-9
 """Share of a joint's largest speed below which the joint stands still."""
@@ -38,11 +54,14 @@ class Planned:
         The fastest feasible motion of all that were tried, else the one that breaks the limits least.
     tried : tuple of (str, str, Result)
         Planners in the order in which they ran, how each works, and its result.
+    tier : str
+        The tier that was asked for; empty where it was a planner.
     """
 
     problem: Problem
     result: Result
     tried: tuple[tuple[str, str, Result], ...]
+    tier: str = ""
 
     @property
     def planner(self) -> str:
@@ -52,10 +71,14 @@ class Planned:
     @property
     def why(self) -> str:
         """Reason why this motion is the answer, and why it stops at every waypoint where it does."""
-        if len(self.tried) == 1:
+        if not self.tier:
             lead = "it was asked for"
         elif not self.feasible:
             return "no motion keeps the limits, and this one breaks them least"
+        elif self.planner in DIRECT and _single_move(self.problem):
+            lead = "no move from rest to rest is faster"
+        elif self.tier == "fast":
+            lead = "the first feasible motion"
         else:
             count = sum(not _reason(result) for _, _, result in self.tried)
             lead = (
@@ -182,8 +205,9 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
     ----------
     problem : Problem
     planner : str
-        A name that `study list` prints, or `auto`: every planner of `automatic(problem)` in turn. The fastest feasible
-        motion of all is the answer, so it is never slower than a stop at every waypoint.
+        A name that `study list` prints, or a tier. `best`, by default as `auto`, runs every planner of
+        `automatic(problem)`; the fastest feasible motion of all is the answer, so it is never slower than a stop at every
+        waypoint, nor than `fast`. `fast` ends at the first feasible motion of quick planners.
     settings : RunSettings, optional
         `usual_settings(problem)` by default; its time limit holds for every planner.
 
@@ -196,15 +220,35 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
     StudyError
         If there is no such planner. A planner that fails, or lacks a package, is a result with a reason.
     """
-    if planner != "auto" and planner not in planner_names():
+    if planner not in (*TIERS, *planner_names()):
         planner_named(planner)  # which says what there is
     settings = settings or usual_settings(problem)
-    if planner != "auto":
-        return _planned(problem, [planner], settings)
-    planned = _planned(problem, automatic(problem), settings)
-    if planned.feasible and not _stops_everywhere(problem, planned.motion):
-        return planned
-    return _planned(problem, AUTO_RESERVE, settings, planned.tried)
+    stages = _stages(problem, planner) if planner in TIERS else [(planner,)]
+    planned = _planned(problem, stages[0], settings)
+    for names in stages[1:]:
+        if planned.feasible and not _stops_everywhere(problem, planned.motion):
+            break
+        planned = _planned(problem, names, settings, planned.tried)
+    return replace(planned, tier=planner if planner in TIERS else "")
+
+
+def _stages(problem: Problem, tier: str) -> list[tuple[str, ...]]:
+    """Planners of a tier, in parts of which the next is run only where those before find nothing but stops."""
+    direct = [DIRECT] if _single_move(problem) else []
+    if tier == "fast" and automatic(problem) != AUTO_UNBOUNDED:
+        quick = FAST[_jerky(problem) :] if problem.path is None else automatic(problem)
+        return [*direct, *((name,) for name in quick)]
+    return [*direct, automatic(problem), AUTO_RESERVE]
+
+
+def _single_move(problem: Problem) -> bool:
+    """Whether the problem is one move from rest to rest with nothing else to keep, whose optimum has a closed form."""
+    smooth = problem.end is EndCondition.SMOOTH or (problem.end is EndCondition.REST and not _jerky(problem))
+    return problem.n_waypoints == 2 and smooth and problem.planner_demands <= RATE_LIMITS | {Demand.POSITION_RANGE}
+
+
+def _jerky(problem: Problem) -> bool:
+    return bool(np.isfinite(problem.limits.jerk).any())
 
 
 def _planned(
@@ -216,10 +260,12 @@ def _planned(
 
 
 def automatic(problem: Problem) -> tuple[str, ...]:
-    """Planners that `plan` tries by itself on a problem; `study.runs.selections` holds the choice."""
+    """Planners that the tier `best` tries on a problem; `study.runs.selections` holds the choice."""
     if problem.path is not None:
         return AUTO_ON_LINES
-    return AUTO_UNBOUNDED if unbounded_joints(problem)[problem.moving].all() else AUTO
+    if unbounded_joints(problem)[problem.moving].all():
+        return AUTO_UNBOUNDED
+    return AUTO if _jerky(problem) else AUTO_WITHOUT_JERK
 
 
 def _stops_everywhere(problem: Problem, motion: Motion) -> bool:

@@ -6,6 +6,8 @@ in [0, 1]; slots without a root hold another point of the interval, which never 
 
 from __future__ import annotations
 
+from functools import cache
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -15,10 +17,14 @@ from study.problem import Floats
 
 def value(coefficients: Floats, u: Floats) -> Floats:
     """Evaluate by Horner's rule; leading axes of both arguments broadcast."""
-    result = np.zeros(np.broadcast_shapes(coefficients.shape[:-1], np.shape(u)))
-    for k in reversed(range(coefficients.shape[-1])):
-        result = result * u + coefficients[..., k]
-    return result
+    last = coefficients.shape[-1] - 1
+    if last < 1:
+        return np.zeros(np.broadcast_shapes(coefficients.shape[:-1], np.shape(u))) + coefficients[..., 0]
+    result = coefficients[..., last] * u
+    for k in reversed(range(1, last)):
+        result += coefficients[..., k]
+        result *= u
+    return np.asarray(result + coefficients[..., 0])
 
 
 def derivative(coefficients: Floats) -> Floats:
@@ -175,6 +181,37 @@ def extrema(coefficients: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     points = np.concatenate([edge, critical, edge + 1.0], axis=-1)
     values = value(coefficients[..., None, :], points)
     return pick_extrema(points, values)
+
+
+def may_be_extreme(coefficients: Floats) -> np.ndarray:
+    """Mask of the polynomials that may hold the smallest or the largest value of their column on [0, 1].
+
+    A polynomial lies between its smallest and largest Bernstein coefficient, and its column's extremes are no less wide
+    than the values at the ends. What is not a number may be an extreme.
+
+    Parameters
+    ----------
+    coefficients : array of shape (n, n_columns, degree + 1), ascending powers
+
+    Returns
+    -------
+    bool array of shape (n, n_columns)
+
+    References
+    ----------
+    G. Farin, Curves and Surfaces for CAGD, 5th ed., 2002: convex hull property of the Bernstein form.
+    """
+    with np.errstate(all="ignore"):
+        hull = coefficients @ _into_bernstein(coefficients.shape[-1] - 1)
+        rounding = 1e-12 * np.abs(coefficients).sum(axis=-1).max(axis=0)
+        ends = hull[..., [0, -1]]
+        low, high = ends.min(axis=(0, 2)) + rounding, ends.max(axis=(0, 2)) - rounding
+        return np.asarray(~((hull.min(axis=-1) > low) & (hull.max(axis=-1) < high)))
+
+
+@cache
+def _into_bernstein(degree: int) -> Floats:
+    return np.array([[comb(i, k) / comb(degree, k) for i in range(degree + 1)] for k in range(degree + 1)])
 
 
 def pick_extrema(points: Floats, values: Floats) -> tuple[Floats, Floats, Floats, Floats]:

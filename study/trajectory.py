@@ -188,7 +188,10 @@ class Trajectory:
         """Exact extrema of the derivative of the given order over the whole motion."""
         widths = np.diff(self.knots)
         unit = polynomial.stretched(np.moveaxis(self._coefficients(order), 1, 2), widths[:, None])
-        lowest, at_lowest, highest, at_highest = polynomial.extrema(unit)
+        mask = polynomial.may_be_extreme(unit)
+        lowest, highest = np.full(mask.shape, np.inf), np.full(mask.shape, -np.inf)
+        at_lowest, at_highest = np.zeros(mask.shape), np.zeros(mask.shape)
+        lowest[mask], at_lowest[mask], highest[mask], at_highest[mask] = polynomial.extrema(unit[mask])
         columns = np.arange(self.n_joints)
         low, high = lowest.argmin(axis=0), highest.argmax(axis=0)
         return Extrema(

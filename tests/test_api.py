@@ -16,7 +16,7 @@ from study.api import automatic
 from study.cautions import cautions, ends_said
 from study.io.exact import read_exact
 from study.registry import planner_about
-from study.runs.selections import AUTO, AUTO_UNBOUNDED
+from study.runs.selections import AUTO, AUTO_UNBOUNDED, AUTO_WITHOUT_JERK
 from tests.helpers.robot_files import MOVEIT
 
 FOUR = np.array([[0.0, 0.2], [0.5, -0.1], [0.9, 0.3], [1.4, 0.1]])
@@ -25,7 +25,7 @@ V, A, J = np.array([1.0, 0.8]), np.array([2.0, 1.5]), np.array([20.0, 15.0])
 
 @pytest.mark.parametrize(
     ("limits", "tried"),
-    [(JointLimits(V), AUTO_UNBOUNDED), (JointLimits(V, A), AUTO), (JointLimits(V, A, J), AUTO)],
+    [(JointLimits(V), AUTO_UNBOUNDED), (JointLimits(V, A), AUTO_WITHOUT_JERK), (JointLimits(V, A, J), AUTO)],
 )
 def test_auto_gives_the_fastest_motion_of_all_that_it_tried(limits, tried):
     planned = plan(Problem("mine", FOUR, limits))
@@ -36,6 +36,34 @@ def test_auto_gives_the_fastest_motion_of_all_that_it_tried(limits, tried):
     assert planned.why.startswith(f"the fastest of {len(feasible)} feasible motions: {planner_about(planned.planner)}")
     assert planned.verdict.worst_ratio == pytest.approx(1.0, abs=1e-6)
     assert judge(planned.problem, planned.motion).duration == planned.duration
+
+
+@pytest.mark.parametrize("limits", [JointLimits(V), JointLimits(V, A), JointLimits(V, A, J)])
+def test_best_never_ends_above_fast(limits):
+    problem = Problem("mine", np.vstack([FOUR, FOUR[:2] + 1.5]), limits)
+    fast, best = plan(problem, "fast"), plan(problem, "best")
+    assert (fast.tier, best.tier) == ("fast", "best")
+    assert fast.feasible
+    assert best.duration <= fast.duration <= plan(problem, "ruckig-stops").duration
+    assert plan(problem).duration == best.duration
+
+
+def test_fast_goes_on_where_the_spline_leaves_the_range():
+    tight = JointLimits(V, A, None, FOUR.min(axis=0) - 1e-4, FOUR.max(axis=0) + 1e-4)
+    planned = plan(Problem("tight", FOUR, tight), "fast")
+    assert [name for name, _, _ in planned.tried] == ["toppra-quick", "free-path-first"]
+    assert planned.why.startswith("the first feasible motion: free path")
+    assert plan(planned.problem).duration <= planned.duration
+
+
+@pytest.mark.parametrize("limits", [JointLimits(V, A), JointLimits(V, A, J)])
+def test_a_single_move_from_rest_to_rest_needs_no_search(limits):
+    planned = plan(Problem("move", FOUR[:2], limits))
+    assert [name for name, _, _ in planned.tried] == ["ruckig-stops"]
+    assert planned.why.startswith("no move from rest to rest is faster")
+    assert plan(planned.problem, "free-path").duration >= planned.duration * (1 - 1e-6)
+    stepping = Problem("step", FOUR[:2], JointLimits(V, A, J), EndCondition.REST)
+    assert plan(stepping).duration < plan(stepping, "ruckig-stops").duration
 
 
 def test_auto_tries_its_reserve_where_the_arm_would_stop_everywhere(monkeypatch):

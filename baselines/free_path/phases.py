@@ -28,7 +28,7 @@ ROUNDS = 6
 """Number of rounds that add rows for the range of positions."""
 
 USUAL, NO_JERK, MIDDLING, FEWEST = 8, 6, 5, 3
-"""Pieces per segment: usually, where no joint has a jerk limit, for many waypoints, and for waypoints in close order."""
+"""Pieces per segment: usually, without jerk limits, for many waypoints, and for waypoints in close order."""
 
 CLOSE, MANY = 100, 500
 """Numbers of segments from which waypoints may stand in close order, and from which eight pieces cost too much."""
@@ -65,8 +65,10 @@ class Answer:
     stretch: float
 
 
-def free_path(question: FreePathProblem, pieces: int | None = None, deadline: Deadline = NEVER) -> Answer:
-    """Find a fastest motion.
+def free_path(
+    question: FreePathProblem, pieces: int | None = None, deadline: Deadline = NEVER, freed: bool = True
+) -> Answer:
+    """Find a fastest motion; never slower than the one of the first phase alone.
 
     Parameters
     ----------
@@ -75,6 +77,8 @@ def free_path(question: FreePathProblem, pieces: int | None = None, deadline: De
     pieces : int, optional
         Pieces per segment and joint, K, at least 3; by default `usual_pieces`.
     deadline : Deadline
+    freed : bool
+        Whether the widths are freed after the first phase.
     """
     begin: Point | None = None
     if pieces is None:
@@ -82,13 +86,15 @@ def free_path(question: FreePathProblem, pieces: int | None = None, deadline: De
     held, spent = np.zeros((question.n_segments, question.n_joints), dtype=bool), 0
     for _ in range(ROUNDS):
         model, first = _first_phase(question, pieces, held, begin, deadline)
-        outcome = first if first.ending is Ending.LATE else _freed(model, first, deadline)
+        outcome = first
+        if first.ending is not Ending.LATE:
+            outcome = _freed(model, first, deadline) if freed else _finished(model, first, deadline)
         spent += outcome.iterations
         outside = leaves_range(model, outcome.state.point, -OUTSIDE)
         if not outside.any() or outcome.ending is Ending.LATE:
             break
         held, begin = held | _with_neighbours(outside), outcome.state.point
-    return _answer(model, outcome, spent)
+    return _answer(model, outcome, first.state.point, spent)
 
 
 def _first_phase(
@@ -154,6 +160,13 @@ def _with_neighbours(flags: Flags) -> Flags:
     return wide
 
 
+def _finished(model: Model, first: Outcome, deadline: Deadline) -> Outcome:
+    """Go on with the widths as they are, until little is left of the equations."""
+    frame, finishing = frame_of(model, False, graded(model)), _goals(deadline)[2]
+    last = solve(frame, resumed(frame, first.state, 1e-4), replace(finishing, barrier=1e-5, error=1e-4, level=1e-5))
+    return replace(last, iterations=first.iterations + last.iterations)
+
+
 def _freed(model: Model, first: Outcome, deadline: Deadline) -> Outcome:
     """Free the widths, then fix them where they came to be."""
     _, freeing, finishing = _goals(deadline)
@@ -165,9 +178,9 @@ def _freed(model: Model, first: Outcome, deadline: Deadline) -> Outcome:
     return replace(third, iterations=first.iterations + second.iterations + third.iterations)
 
 
-def _answer(model: Model, outcome: Outcome, iterations: int) -> Answer:
-    """Close the equations and slow to the limits; of an unfinished motion and a spline in its times, the faster."""
-    points = [outcome.state.point]
+def _answer(model: Model, outcome: Outcome, first: Point, iterations: int) -> Answer:
+    """Close the equations and slow to the limits; of the last, the first and a late one's spline, the fastest."""
+    points = [outcome.state.point] if first is outcome.state.point else [outcome.state.point, first]
     if outcome.ending is Ending.LATE and model.question.scalable:
         points.append(spline_start(model, graded(model), points[0].durations * model.tau))
     candidates = [closed(model, point) for point in points]

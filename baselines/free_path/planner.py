@@ -50,10 +50,13 @@ class FreePathPlanner:
     ----------
     pieces : int, optional
         Pieces per segment and joint, K, at least 3; by default as many as the waypoints need.
+    freed : bool
+        Whether every joint chooses its widths; where it does not, the motion ends where `freed` would go on.
     """
 
     pieces: int | None = None
-    about: ClassVar[str] = "free path in pieces whose widths every joint chooses, optimised by an interior point"
+    freed: bool = True
+    about: str = "free path in pieces whose widths every joint chooses, optimised by an interior point"
     freedom: ClassVar[Freedom] = Freedom.FREE
     knows: ClassVar[frozenset[Demand]] = KNOWN
     stochastic: ClassVar[bool] = False
@@ -78,7 +81,7 @@ class FreePathPlanner:
         if not question.kinds.any():
             return Plan(Status.NOT_APPLICABLE, message="no joint with a limit moves, so there is no shortest time")
         try:
-            answer = free_path(question, self.pieces, deadline)
+            answer = free_path(question, self.pieces, deadline, self.freed)
         except np.linalg.LinAlgError as error:
             return Plan(Status.FAILED, message=f"interior point: {error}")
         feasible = judge(problem, answer.motion).feasible
@@ -91,3 +94,10 @@ class FreePathPlanner:
             message=f"interior point: {answer.ending.value}",
             details={"stretch": answer.stretch, "pieces": float(answer.pieces)},
         )
+
+
+FIRST = FreePathPlanner(
+    freed=False,
+    about="free path in pieces that all joints share out alike: the first phase of `free-path`, and no more",
+)
+"""Planner `free-path-first`, a third of the work for 0.3 % more time."""

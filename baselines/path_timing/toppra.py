@@ -262,14 +262,19 @@ class Toppra(Deterministic):
     Parameters
     ----------
     per_segment : int
-        Grid steps between neighbouring waypoints, fewer where the path would have more than `GRID`; doubled up to twice
-        while the stretch is more than `worst_stretch` and the time limit allows.
+        Grid steps between neighbouring waypoints, fewer where the path would have more than `steps`; doubled up to
+        twice while the stretch is more than `worst_stretch` and the time limit allows.
     worst_stretch : float
+    steps : int
+    rules : tuple of callables
+        Ways to lay the path.
     """
 
     per_segment: int = 200
     worst_stretch: float = 1.001
-    about: ClassVar[str] = "TOPP-RA: the fastest speed along a given path, without a jerk limit"
+    steps: int = GRID
+    rules: tuple[PathRule, ...] = (chord_path, centripetal_path)
+    about: str = "TOPP-RA: the fastest speed along a given path, without a jerk limit"
     freedom: ClassVar[Freedom] = Freedom.PATH
     knows: ClassVar[frozenset[Demand]] = RATE_LIMITS - {Demand.JERK}
 
@@ -278,7 +283,7 @@ class Toppra(Deterministic):
         """Retime the path; the settings' curve and time limit matter."""
         if not np.isfinite(problem.limits.acceleration).any():
             return Plan(Status.NOT_APPLICABLE, message="no acceleration limit: the path speed could step")
-        rules = (chord_path, centripetal_path) if settings.curve == "cubic-spline" else (chord_path,)
+        rules = self.rules if settings.curve == "cubic-spline" else (chord_path,)
         retimed = self._refined(problem, rules, Deadline.after(settings.time_limit))
         if retimed is None:
             return Plan(Status.FAILED, message="TOPP-RA finds no path speeds")
@@ -286,7 +291,9 @@ class Toppra(Deterministic):
         return Plan(Status.FINISHED, motion=retimed.motion, details={"stretch": retimed.stretch, "grid_steps": steps})
 
     def _refined(self, problem: Problem, rules: tuple[PathRule, ...], deadline: Deadline) -> Retimed | None:
-        per_segment = min(self.per_segment, max(LEAST_STEPS, GRID // problem.n_segments))
+        per_segment = min(
+            self.per_segment, max(LEAST_STEPS if self.steps == GRID else 1, self.steps // problem.n_segments)
+        )
         best: Retimed | None = None
         for steps in (per_segment, 2 * per_segment, 4 * per_segment):
             before = deadline.left()
@@ -298,3 +305,12 @@ class Toppra(Deterministic):
                 record_cut()
                 break
         return best
+
+
+QUICK = Toppra(
+    worst_stretch=1.1,
+    steps=90,
+    rules=(centripetal_path,),
+    about="TOPP-RA on few gridpoints of one natural spline, without a jerk limit",
+)
+"""Planner `toppra-quick`, for milliseconds."""

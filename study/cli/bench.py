@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 from rich.table import Table
 
 from study.bench import wording
 from study.bench.measuring import Limit, Ratio
+from study.bench.parts import PARTS, measured
 from study.bench.run import measure, write
 from study.cli.screen import make_console
 from study.cli.shared import DEFAULT_OUT
@@ -19,12 +21,16 @@ def bench(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer repetitions; about two minutes.")] = False,
     out: Annotated[Path, typer.Option(metavar="FILE", help="JSON file for the measurements.")] = DEFAULT_OUT
     / "bench.json",
+    part: Annotated[str | None, typer.Option(help=f"Measure the planner alone: {', '.join(PARTS)}.")] = None,
+    seed: Annotated[int, typer.Option(help="Of the problems of a part.")] = 0,
 ) -> None:
     """Measure kernels, searches and planners next to other packages, and write the report's performance page.
 
     Peers come with the extra `peers`, the compiled kernels with `fast`; what is not installed is said to be missing.
     """
     console = make_console()
+    if part is not None:
+        return _print_part(part, seed, console)
     with console.status("measuring") as status:
         bench = measure(quick, lambda part: status.update(f"measuring: {part}"))
     for topic, rows in wording.topics(bench.rows):
@@ -36,6 +42,19 @@ def bench(
 
     console.print(f"measurements: {out}")
     console.print(f"page: {write_page(out, out.parent / 'report')}")
+
+
+def _print_part(name: str, seed: int, console: Console) -> None:
+    with console.status("measuring") as status:
+        part = measured(name, seed, lambda problem: status.update(f"measuring: {problem}"))
+    table = Table(title=part.title, title_justify="left", header_style="bold")
+    for number, text in enumerate(part.head):
+        table.add_column(text, justify="right" if number else "left")
+    for row in part.rows:
+        table.add_row(*row)
+    console.print(table)
+    for sentence in part.sentences:
+        console.print(sentence, soft_wrap=True, highlight=False)
 
 
 def _table(topic: str, rows: list[Ratio | Limit]) -> Table:

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from study.api import Planned
+from study.api import TIERS, Planned
 from study.api import plan as plan_motion
 from study.cases.library import Case
 from study.cases.obstacles import nearest
@@ -57,7 +57,7 @@ def init(
 
 def plan(
     file: File,
-    planner: Annotated[str, typer.Option(help="A name from `study list`, or auto: by what limits exist.")] = "auto",
+    planner: Annotated[str, typer.Option(help="best, fast, or a name from `study list`; auto is best.")] = "auto",
     save: Annotated[
         list[Path] | None,
         typer.Option(help="Files to write, .csv, .yaml, .json, .npz or .exact.json; all kinds below --out by default."),
@@ -81,7 +81,7 @@ def plan(
     case = wishes.on(load_any(file, units, limits or [], joints))
     for path in save or []:
         form_of(path)  # a wrong name is told before the work, not after it
-    [spec] = parse_specs(planner) if planner != "auto" else [None]
+    [spec] = parse_specs(planner) if planner not in TIERS else [None]
     settings = replace(case.settings, seed=seed, evaluations=evaluations, time_limit=time_limit)
     if spec is not None:
         settings = replace(
@@ -91,7 +91,7 @@ def plan(
         )
     warn(case, console)
     with console.status(f"planning {case.name}"):
-        planned = plan_motion(case.problem, spec.planner if spec else "auto", settings)
+        planned = plan_motion(case.problem, spec.planner if spec else planner, settings)
     facts = {"planner": f"{planned.planner}, {planned.why}"}
     if planned.result.motion is None:
         console.print(*_tried(planned), sep="\n")

@@ -23,8 +23,18 @@ HEADLINE_SEARCHES = (
 COMPARED = ("free-path", "ruckig-via", "casadi-nlp", "toppra", "ruckig-stops", "golds-pso", "random-search")
 """Planners for a case of one's own: every deterministic kind, one metaheuristic and the floor."""
 
+DIRECT = ("ruckig-stops",)
+"""Planner that is tried first, and alone if it succeeds, where a single move from rest to rest is asked for: its move is
+then the fastest of all."""
+
+FAST = ("toppra-quick", "free-path-first", "ruckig-stops")
+"""Planners that the tier `fast` tries in turn until a motion is feasible; the first, without a jerk limit only."""
+
 AUTO = ("free-path", "ruckig-stops")
-"""Planners that `plan` tries by itself; the fastest motion of all is the answer, and the last always has one."""
+"""Planners that the tier `best` tries by itself; the fastest motion of all is the answer, and the last always has one."""
+
+AUTO_WITHOUT_JERK = ("toppra-quick", *AUTO)
+"""The same where no joint has a jerk limit: with the planner of `fast`, so that `best` never ends above it."""
 
 AUTO_RESERVE = ("ruckig-via", "casadi-nlp")
 """Planners that are tried too where those above bring nothing but a stop at every waypoint."""

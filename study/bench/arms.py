@@ -1,0 +1,156 @@
+"""The planner's two tiers next to other packages on problems of real arms: durations and processor time, in one run.
+
+A peer's motion that breaks a limit of rates is slowed down by the smallest exact factor; what the judge then passes is
+usable. The best peer of a problem is the one with the shortest usable motion.
+"""
+
+from __future__ import annotations
+
+import importlib
+import logging
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from statistics import geometric_mean, median
+
+import numpy as np
+
+from study.api import plan
+from study.bench.arm_peers import PEERS, Peer
+from study.bench.peers import installed
+from study.errors import StudyError
+from study.judge import judge
+from study.problem import Problem
+from study.testing.arms import arm_problems
+
+REPETITIONS = 3
+CLOSE, MEAN, FAST = 1.001, 0.945, 2.0
+"""Targets: the worst and the mean ratio of *best* to the best peer's duration, and of *fast* to a path timing's cost."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A planner's motion of one problem.
+
+    Attributes
+    ----------
+    name : str
+    duration : float, s
+        Of the motion as it may be driven; infinite where there is none.
+    stretch : float
+        By how much it had to be slowed down.
+    seconds : float
+        Processor time, the median of all repetitions.
+    """
+
+    name: str
+    duration: float
+    stretch: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Row:
+    """Answers to one problem."""
+
+    problem: str
+    fast: Answer
+    best: Answer
+    peers: tuple[Answer, ...]
+
+    @property
+    def peer(self) -> Answer:
+        """The peer with the shortest motion, and of equal ones the quickest."""
+        shortest = min(answer.duration for answer in self.peers)
+        level = [answer for answer in self.peers if answer.duration <= shortest * (1 + 1e-9)]
+        return min(level, key=lambda answer: answer.seconds)
+
+    @property
+    def ratio(self) -> float:
+        """Duration of *best* by the best peer's."""
+        return self.best.duration / self.peer.duration
+
+    @property
+    def timing(self) -> Answer | None:
+        """The quickest path timing of the kind that *fast* is measured against."""
+        kinds = [answer for answer in self.peers if answer.name.startswith(("toppra", "copp-topp3"))]
+        return min(kinds, key=lambda answer: answer.seconds, default=None)
+
+
+def arm_rows(seed: int, told: Callable[[str], None], wanted: Sequence[str] = ()) -> list[Row]:
+    """Ask the tiers and all peers that are installed, problem by problem; `wanted` names parts of problems' names."""
+    for package, logger in (("toppra", "toppra"), ("pydrake", "drake")):
+        if installed(package):
+            importlib.import_module(package)  # which sets up its logger
+            logging.getLogger(logger).setLevel(logging.ERROR)
+    rows = []
+    for problem in arm_problems(seed):
+        if not wanted or any(part in problem.name for part in wanted):
+            rows.append(_row(problem))
+            told(said(rows[-1]))
+    return rows
+
+
+def _row(problem: Problem) -> Row:
+    answers = [_peer(problem, peer) for peer in PEERS if peer.plans(problem)]
+    return Row(problem.name, _tier(problem, "fast"), _tier(problem, "best"), tuple(answers))
+
+
+def _timed(call: Callable[[], object]) -> tuple[object, float]:
+    """Answer of a call, and its median processor time, s; the first call does not count, for it loads what it needs."""
+    taken = []
+    for _ in range(1 + REPETITIONS):
+        begun = time.process_time()
+        answer = call()
+        taken.append(time.process_time() - begun)
+    return answer, median(taken[1:])
+
+
+def _tier(problem: Problem, name: str) -> Answer:
+    _, seconds = _timed(lambda: plan(problem, name))
+    return Answer(name, plan(problem, name).duration, 1.0, seconds)
+
+
+def _peer(problem: Problem, peer: Peer) -> Answer:
+    try:
+        answer, seconds = _timed(lambda: peer.solve(problem))
+        motion = peer.motion(problem, answer)
+    except (RuntimeError, ValueError, TypeError, StudyError):  # a peer's way to say no
+        return Answer(peer.name, np.inf, 1.0, np.nan)
+    stretch = judge(problem, motion).stretch
+    slowed = motion.scaled(stretch)
+    usable = judge(problem, slowed).feasible
+    return Answer(peer.name, slowed.duration if usable else np.inf, stretch, seconds)
+
+
+def said(row: Row) -> str:
+    """One row in a line."""
+    peer, timing = row.peer, row.timing
+    against = "" if timing is None else f", {timing.name} {timing.seconds * 1e3:.1f} ms"
+    return (
+        f"{row.problem}: fast {row.fast.duration:.4f} s, {row.fast.seconds * 1e3:.1f} ms{against}; best "
+        f"{row.best.duration:.4f} s, {row.best.seconds * 1e3:.1f} ms; {peer.name} {peer.duration:.4f} s, "
+        f"{peer.seconds * 1e3:.1f} ms; best / peer {row.ratio:.4f}"
+    )
+
+
+def summary(rows: Sequence[Row]) -> list[str]:
+    """Sentences on the targets."""
+    ratios = [row.ratio for row in rows]
+    ours, theirs = median(row.best.seconds for row in rows), median(row.peer.seconds for row in rows)
+    worst = max(rows, key=lambda row: row.ratio)
+    texts = [
+        f"best against the best usable peer: geometric mean {geometric_mean(ratios):.4f} (target at most {MEAN}), worst "
+        f"{worst.ratio:.4f} on {worst.problem} (target at most {CLOSE})",
+        f"median processor time: best {ours * 1e3:.1f} ms, the best peers {theirs * 1e3:.1f} ms (target below)",
+        f"best is never above fast: {all(row.best.duration <= row.fast.duration for row in rows)}",
+    ]
+    for kind, jerky in (("toppra, v+a", False), ("COPP's third order, v+a+j", True)):
+        shares = [
+            row.fast.seconds / row.timing.seconds
+            for row in rows
+            if row.timing is not None and row.timing.name.startswith("copp") is jerky
+        ]
+        if shares:
+            texts.append(f"fast by {kind}: median {median(shares):.2f}, most {max(shares):.2f} (target at most {FAST})")
+    return texts

@@ -1,0 +1,68 @@
+"""Parts of the bench that measure the planner alone, each a table and sentences: `study bench --part NAME`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from study.bench.arms import Answer, arm_rows
+from study.bench.arms import summary as on_arms
+from study.errors import unknown
+
+Told = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part's answer.
+
+    Attributes
+    ----------
+    title : str
+    head : tuple of str
+    rows : tuple of tuples of str
+    sentences : tuple of str
+    """
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    sentences: tuple[str, ...]
+
+
+def measured(name: str, seed: int, told: Told) -> Part:
+    """Measure a part.
+
+    Raises
+    ------
+    StudyError
+        If there is no such part.
+    """
+    if name not in PARTS:
+        raise unknown("part of the bench", name, PARTS)
+    return PARTS[name](seed, told)
+
+
+def arms(seed: int, told: Told) -> Part:
+    """Both tiers and other packages on problems of real arms."""
+    rows = arm_rows(seed, told)
+    head = ("problem", "fast", "best", "best peer", "best / peer", "fast ms", "best ms", "peer ms", "path timing ms")
+    lines = []
+    for row in rows:
+        peer, timing = f"{_seconds(row.peer)} {row.peer.name}", row.timing
+        beside = "" if timing is None else f"{_cost(timing)} {timing.name}"
+        costs = _cost(row.fast), _cost(row.best), _cost(row.peer)
+        lines.append((row.problem, _seconds(row.fast), _seconds(row.best), peer, f"{row.ratio:.4f}", *costs, beside))
+    return Part(f"Real arms, seed {seed}: durations, s, and processor time", head, tuple(lines), tuple(on_arms(rows)))
+
+
+def _seconds(answer: Answer) -> str:
+    return f"{answer.duration:.4f}"
+
+
+def _cost(answer: Answer) -> str:
+    return f"{answer.seconds * 1e3:.1f}"
+
+
+PARTS: dict[str, Callable[[int, Told], Part]] = {"arms": arms}
+"""Parts by name."""
