@@ -37,4 +37,4 @@ def test_a_place_out_of_reach_is_refused():
 
 def test_dense_paths_come_in_any_number_of_points():
     rows = [dense(np.random.default_rng(0), ARMS["fr3"], n) for n in (51, 101)]
-    np.testing.assert_allclose(rows[1][::2], rows[0], atol=1e-3)
+    np.testing.assert_allclose(rows[1][::2], rows[0], atol=5e-3)
