@@ -14,17 +14,11 @@ PATIENCE = 3600.0
 
 
 class Job(Keepable[T], Protocol[T]):
-    """A description of work that travels to a worker; its outcome depends on nothing but the job and the code.
-
-    Attributes
-    ----------
-    time_limit : float, s
-        Wall time after which the work should have ended by itself.
-    """
+    """A description of work that travels to a worker; its outcome depends on nothing but the job and the code."""
 
     @property
     def time_limit(self) -> float:
-        """Wall time after which the work should have ended, s."""
+        """Wall time after which the work should have ended by itself, s."""
 
     def run(self) -> T:
         """Do the work; the caller may be a worker process."""

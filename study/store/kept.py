@@ -50,26 +50,14 @@ class Encoded:
 
 
 class Keepable(Protocol[T]):
-    """A job whose outcome can be kept, under a name made of its content and of the code behind it.
-
-    Attributes
-    ----------
-    kind : str
-        The same for all jobs of a class, such as `cell`.
-    subject : str
-        Case or function that the job is about.
-    method : str
-        Planner or search.
-    label : str
-        Name in tables; no part of the key.
-    seed : int
-    """
+    """A job whose outcome can be kept, under a name made of its content and of the code behind it."""
 
     kind: ClassVar[str]
+    """The same for all jobs of a class, such as `cell`."""
 
     @property
     def subject(self) -> str:
-        """Case or function."""
+        """Case or function that the job is about."""
 
     @property
     def method(self) -> str:
@@ -77,7 +65,7 @@ class Keepable(Protocol[T]):
 
     @property
     def label(self) -> str:
-        """Name in tables."""
+        """Name in tables; no part of the key."""
 
     @property
     def seed(self) -> int:

@@ -73,7 +73,7 @@ def test_results_are_the_same_whatever_the_executor_and_the_number_of_workers(ru
 
 def test_failures_become_results_with_their_reason(run, tiny_case):
     planners = "stub-crash,stub-exit,stub-raise,stub-refuse,stub-odd,stub-unsendable,stub-steady"
-    results, digest = run(tiny_case, planners, seeds=2, workers=2)
+    results, digest = run(tiny_case, planners, seeds=1, workers=2)
     reasons = {result.cell.planner: result.message for result in results if result.status is Status.FAILED}
     assert reasons == {
         "stub-crash": "the worker process was ended by SIGSEGV during this cell",
@@ -85,7 +85,7 @@ def test_failures_become_results_with_their_reason(run, tiny_case):
     }
     assert "cannot be sent between processes" in reasons["stub-unsendable"]
     assert [r.status for r in results if r.cell.planner == "stub-steady"] == [Status.FINISHED]
-    assert run(tiny_case, planners, seeds=2, workers=1, name="again")[1] == digest
+    assert run(tiny_case, planners, seeds=1, workers=1, name="again")[1] == digest
 
 
 def test_an_overdue_cell_is_interrupted_and_the_rest_goes_on(run, tiny_case):
