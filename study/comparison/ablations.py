@@ -12,18 +12,19 @@ import numpy as np
 from study.analysis.formatting import listed, seconds
 from study.analysis.tables import Column, Grid, grid
 from study.cases.library import Case
-from study.comparison import statistics, tasks
+from study.comparison import statistics
 from study.comparison.effort import Effort
 from study.comparison.improvements import ABLATIONS, PLAIN, WHOLE, Ablation
 from study.comparison.outcomes import FLOOR, SIGNIFICANT, Outcomes, grouped
 from study.comparison.plots import Mark, Marks
 from study.comparison.statistics import Interval
 from study.comparison.tables import IntervalColumn, interval_text, p_value, probability
+from study.comparison.tasks import FunctionView, TrajectoryView
 from study.comparison.trials import Trial, TrialJob, repeated
 from study.search.state import Search
 
 FUNCTIONS = ("sphere", "rastrigin")
-VIEWS = (tasks.ORIGIN, tasks.SHIFTED)
+VIEWS = (FunctionView.ORIGIN, FunctionView.SHIFTED)
 
 
 class Effect(StrEnum):
@@ -49,7 +50,7 @@ def _form_jobs(name: str, search: Search[Any], cases: Sequence[Case], effort: Ef
     n, population = effort.trial_evaluations, effort.population
     jobs: list[TrialJob] = []
     for case in cases:
-        trial = Trial(name, case.name, tasks.AS_IT_IS, 0, n, population, formulation="penalty")
+        trial = Trial(name, case.name, TrajectoryView.AS_IT_IS, 0, n, population, formulation="penalty")
         jobs += repeated(trial, search, effort.trial_seeds, case.problem, case.curve)
     for function in FUNCTIONS:
         for view in VIEWS:

@@ -17,11 +17,11 @@ import numpy as np
 
 from study.analysis.formatting import listed, ratio
 from study.analysis.tables import Column, Grid, grid
-from study.comparison import tasks
 from study.comparison.effort import Effort
 from study.comparison.outcomes import FLOOR, Outcomes, grouped
 from study.comparison.plots import Mark, Marks
 from study.comparison.tables import FLAG, PlannerColumn
+from study.comparison.tasks import DOSES, FunctionView
 from study.comparison.trials import Trial, TrialJob, repeated
 from study.search.state import Search
 
@@ -46,7 +46,11 @@ def function_jobs(searches: Mapping[str, Search[Any]], effort: Effort) -> list[T
         job
         for name, search in searches.items()
         for function in effort.functions
-        for view in (tasks.FUNCTION_VIEWS if function in effort.dosed else (tasks.ORIGIN, tasks.SHIFTED, tasks.ROTATED))
+        for view in (
+            FunctionView
+            if function in effort.dosed
+            else (FunctionView.ORIGIN, FunctionView.SHIFTED, FunctionView.ROTATED)
+        )
         for job in repeated(
             Trial(name, function, view, 0, budget, effort.population, effort.dimensions), search, effort.function_seeds
         )
@@ -115,11 +119,11 @@ def function_findings(outcomes: Outcomes) -> list[FunctionFinding]:
     findings = [
         FunctionFinding(
             search=name,
-            by_function=ratios(name, tasks.SHIFTED, tasks.ORIGIN),
-            shifted=mean(name, tasks.SHIFTED, tasks.ORIGIN),
-            rotated=mean(name, tasks.ROTATED, tasks.SHIFTED),
-            doses={dose: mean(name, dose, tasks.ORIGIN) for dose in tasks.DOSES},
-            diagonal=mean(name, tasks.OFF_DIAGONAL, tasks.DIAGONAL, np.median),
+            by_function=ratios(name, FunctionView.SHIFTED, FunctionView.ORIGIN),
+            shifted=mean(name, FunctionView.SHIFTED, FunctionView.ORIGIN),
+            rotated=mean(name, FunctionView.ROTATED, FunctionView.SHIFTED),
+            doses={dose: mean(name, dose, FunctionView.ORIGIN) for dose in DOSES},
+            diagonal=mean(name, FunctionView.OFF_DIAGONAL, FunctionView.DIAGONAL, np.median),
         )
         for name in names
     ]
@@ -132,7 +136,7 @@ def function_columns(findings: Sequence[FunctionFinding]) -> list[Column[Functio
     functions = list(findings[0].by_function) if findings else []
 
     def dosed(dose: str) -> Column[FunctionFinding]:
-        head = "" if dose == tasks.SHIFTED else f"{dose} / origin"  # the first column shows the largest dose
+        head = "" if dose == FunctionView.SHIFTED else f"{dose} / origin"  # the first column shows the largest dose
         return Column(f"ratio {dose}", head, lambda finding: finding.doses[dose], ratio)
 
     def shifted(name: str) -> Column[FunctionFinding]:

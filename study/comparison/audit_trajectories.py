@@ -12,12 +12,13 @@ import numpy as np
 from study.analysis.formatting import seconds
 from study.analysis.tables import Column, Grid, grid
 from study.cases.library import Case
-from study.comparison import statistics, tasks
+from study.comparison import statistics
 from study.comparison.audit_functions import named
 from study.comparison.effort import Effort
 from study.comparison.outcomes import SIGNIFICANT, Outcomes, grouped
 from study.comparison.plots import Mark, Marks
 from study.comparison.tables import PlannerColumn, p_value, probability
+from study.comparison.tasks import TrajectoryView
 from study.comparison.trials import Trial, TrialJob, repeated
 from study.search.state import Search
 
@@ -32,7 +33,7 @@ def trajectory_jobs(
         for name, search in searches.items()
         for case in cases
         for formulation in formulations
-        for view in tasks.TRAJECTORY_VIEWS
+        for view in TrajectoryView
         for job in repeated(
             Trial(name, case.name, view, 0, n, population, formulation=formulation),
             search,
@@ -84,10 +85,11 @@ def trajectory_findings(outcomes: Outcomes) -> list[TrajectoryFinding]:
     keys = [
         (name, case, form, view)
         for name, case, form, view in values
-        if view != tasks.AS_IT_IS and (name, case, form, tasks.AS_IT_IS) in values
+        if view != TrajectoryView.AS_IT_IS and (name, case, form, TrajectoryView.AS_IT_IS) in values
     ]
     pairs = [
-        (values[name, case, form, tasks.AS_IT_IS], values[name, case, form, view]) for name, case, form, view in keys
+        (values[name, case, form, TrajectoryView.AS_IT_IS], values[name, case, form, view])
+        for name, case, form, view in keys
     ]
     adjusted = statistics.holm([statistics.rank_sum(home, seen) for home, seen in pairs])
     return [
@@ -138,14 +140,14 @@ def _plot(key: str, case: str, findings: Sequence[TrajectoryFinding]) -> Marks:
         f"Views of {case}",
         "Change of the median time; the numbers stand in the table.",
         [_mark(finding) for finding in findings],
-        f"change of the median, %: circle {tasks.REFLECTED}, square {tasks.CENTRED}; filled: significant",
+        f"change of the median, %: circle {TrajectoryView.REFLECTED}, square {TrajectoryView.CENTRED}; filled: significant",
         line=0.0,
         heading=case,
     )
 
 
 def _mark(finding: TrajectoryFinding) -> Mark:
-    shape, offset = ("o", -0.15) if finding.view == tasks.REFLECTED else ("s", 0.15)
+    shape, offset = ("o", -0.15) if finding.view == TrajectoryView.REFLECTED else ("s", 0.15)
     return Mark(finding.search, 100 * (finding.seen / finding.as_they_are - 1), shape, finding.depends, offset)
 
 

@@ -12,6 +12,7 @@ from functools import cache
 
 import numpy as np
 
+from study.choices import Choice
 from study.curves import curve_named
 from study.errors import unknown
 from study.formulation import objective_of
@@ -20,14 +21,30 @@ from study.search.state import Box
 from study.testfunctions import Benchmark, benchmarks_of
 from study.testfunctions.benchmark import random_rotation, rotated, shifted
 
-AS_IT_IS, REFLECTED, CENTRED = "as they are", "reflected", "centred"
-TRAJECTORY_VIEWS = (AS_IT_IS, REFLECTED, CENTRED)
-ORIGIN, SHIFTED, ROTATED = "origin", "shifted", "rotated"
-DIAGONAL, OFF_DIAGONAL = "on the diagonal", "off the diagonal"
-DOSES = {"dose 1e-4": 1e-4, "dose 1e-2": 1e-2, SHIFTED: 0.3}
+
+class TrajectoryView(Choice):
+    """Way to write durations: as they are, t in [lo, hi]; reflected, lo + hi - t; or from the middle of the box."""
+
+    AS_IT_IS = "as they are"
+    REFLECTED = "reflected"
+    CENTRED = "centred"
+
+
+class FunctionView(Choice):
+    """Place of a function's optimum, and direction of its axes."""
+
+    ORIGIN = "origin"
+    TINY = "dose 1e-4"
+    SMALL = "dose 1e-2"
+    SHIFTED = "shifted"
+    ROTATED = "rotated"
+    DIAGONAL = "on the diagonal"
+    OFF_DIAGONAL = "off the diagonal"
+
+
+DOSES = {FunctionView.TINY: 1e-4, FunctionView.SMALL: 1e-2, FunctionView.SHIFTED: 0.3}
 """Largest shift of a coordinate as a share of the half range; 0 is `origin`, and 0.3 is the shifted form itself."""
 
-FUNCTION_VIEWS = (ORIGIN, *DOSES, ROTATED, DIAGONAL, OFF_DIAGONAL)
 DISTANCE = 0.3
 """Of the optimum from the centre in every coordinate of the diagonal test, as a share of the half range."""
 
@@ -72,7 +89,7 @@ def function_task(name: str, dimensions: int, view: str, seed: int) -> Task:
         One of `centred_functions`.
     dimensions : int
     view : str
-        One of `FUNCTION_VIEWS`.
+        A `FunctionView`.
     seed : int
 
     Raises
@@ -83,25 +100,23 @@ def function_task(name: str, dimensions: int, view: str, seed: int) -> Task:
     known = centred_functions()
     if name not in known:
         raise unknown("function for the audit", name, known)
-    if view not in FUNCTION_VIEWS:
-        raise unknown("view of a function", view, FUNCTION_VIEWS)
     function = resized(known[name], dimensions)
     rng = np.random.default_rng([seed, 20_221_211])  # its own stream: the search's is seeded by the seed alone
-    seen = _seen(function, view, rng)
+    seen = _seen(function, FunctionView(view), rng)
     return Task(seen.formula, Box(seen.lower, seen.upper), seen.minimum or 0.0)
 
 
-def _seen(function: Benchmark, view: str, rng: np.random.Generator) -> Benchmark:
+def _seen(function: Benchmark, view: FunctionView, rng: np.random.Generator) -> Benchmark:
     n, half = function.n_dimensions, 0.5 * (function.upper - function.lower)
     signs = rng.choice([-1.0, 1.0], size=n)
     if view in DOSES:
         return shifted(function, DOSES[view] * half * signs * rng.uniform(0.25, 1.0, n))
-    if view == ROTATED:
-        shift = DOSES[SHIFTED] * half * signs * rng.uniform(0.25, 1.0, n)
+    if view is FunctionView.ROTATED:
+        shift = DOSES[FunctionView.SHIFTED] * half * signs * rng.uniform(0.25, 1.0, n)
         return rotated(shifted(function, shift), random_rotation(n, rng))
-    if view == DIAGONAL:
+    if view is FunctionView.DIAGONAL:
         return shifted(function, DISTANCE * half * signs[0])
-    if view == OFF_DIAGONAL:
+    if view is FunctionView.OFF_DIAGONAL:
         signs[:2] = 1.0, -1.0  # never by chance on the diagonal itself
         return shifted(function, DISTANCE * half * signs)
     return function
@@ -116,27 +131,24 @@ def trajectory_task(problem: Problem, curve: str, formulation: str, view: str) -
     curve : str
     formulation : str
     view : str
-        `as they are`: the search moves durations t in [lo, hi]. `reflected`: it moves lo + hi - t in the same box.
-        `centred`: it moves t - (lo + hi) / 2 in a box centred at zero.
+        A `TrajectoryView`.
 
     Raises
     ------
     StudyError
         If there is no such view, curve or formulation.
     """
-    if view not in TRAJECTORY_VIEWS:
-        raise unknown("view of the durations", view, TRAJECTORY_VIEWS)
-    value = objective_of(formulation, problem, curve_named(curve))
+    view, value = TrajectoryView(view), objective_of(formulation, problem, curve_named(curve))
     lo, hi = problem.duration_bounds
     ones = np.ones(problem.n_segments)
     middle = 0.5 * (lo + hi)
 
     def formula(points: Floats) -> Floats:
-        if view == REFLECTED:
+        if view is TrajectoryView.REFLECTED:
             points = lo + hi - points
-        elif view == CENTRED:
+        elif view is TrajectoryView.CENTRED:
             points = points + middle
         return value(np.clip(points, lo, hi))  # the sums above round
 
-    offset = middle if view == CENTRED else 0.0
+    offset = middle if view is TrajectoryView.CENTRED else 0.0
     return Task(formula, Box((lo - offset) * ones, (hi - offset) * ones))

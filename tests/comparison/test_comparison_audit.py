@@ -11,6 +11,7 @@ from study.comparison.audit_trajectories import TrajectoryFinding
 from study.comparison.effort import QUICK
 from study.comparison.improvements import ABLATIONS, PLAIN, WHOLE
 from study.comparison.outcomes import grouped
+from study.comparison.tasks import DOSES, FunctionView, TrajectoryView
 from study.comparison.trials import Trial, TrialJob, TrialOutcome
 from study.curves import curve_named
 from study.errors import StudyError
@@ -31,7 +32,7 @@ SMALL = replace(
 )
 
 
-@pytest.mark.parametrize("view", tasks.FUNCTION_VIEWS)
+@pytest.mark.parametrize("view", FunctionView)
 def test_every_view_of_a_function_keeps_its_minimum_in_the_box(view):
     task = tasks.function_task("rastrigin", 6, view, seed=3)
     where = _minimiser(view)
@@ -52,18 +53,18 @@ def _minimiser(view, seed=3):
 
 def test_shifts_differ_per_coordinate_and_grow_with_the_dose():
     sizes = []
-    for view, dose in tasks.DOSES.items():
+    for view, dose in DOSES.items():
         shares = np.abs(_minimiser(view)) / 5.12
         assert len(set(np.round(shares / dose, 4))) == 6
         assert (shares <= dose * (1 + 1e-6)).all()
         assert (shares >= 0.25 * dose * (1 - 1e-3)).all()
         sizes.append(shares.max())
     assert sizes == sorted(sizes)
-    assert not _minimiser(tasks.ORIGIN).any()
+    assert not _minimiser(FunctionView.ORIGIN).any()
 
 
 def test_the_diagonal_test_keeps_the_distance():
-    on, off = _minimiser(tasks.DIAGONAL), _minimiser(tasks.OFF_DIAGONAL)
+    on, off = _minimiser(FunctionView.DIAGONAL), _minimiser(FunctionView.OFF_DIAGONAL)
     assert np.ptp(on) == pytest.approx(0.0, abs=1e-9)
     assert np.abs(off) == pytest.approx(np.abs(on))
     assert np.ptp(off) > 1.0
@@ -74,19 +75,19 @@ def test_views_of_durations_are_the_same_problem():
     lo, hi = problem.duration_bounds
     t = np.random.default_rng(0).uniform(lo, hi, (20, 3))
     direct = Scaled(problem, curve_named("poly353"))(t)
-    seen = {view: tasks.trajectory_task(problem, "poly353", "scaled", view) for view in tasks.TRAJECTORY_VIEWS}
-    assert seen[tasks.AS_IT_IS].objective(t) == pytest.approx(direct, rel=1e-12)
-    assert seen[tasks.REFLECTED].objective(lo + hi - t) == pytest.approx(direct, rel=1e-12)
-    assert seen[tasks.CENTRED].objective(t - (lo + hi) / 2) == pytest.approx(direct, rel=1e-12)
-    assert seen[tasks.CENTRED].box.lower == pytest.approx(-seen[tasks.CENTRED].box.upper)
+    seen = {view: tasks.trajectory_task(problem, "poly353", "scaled", view) for view in TrajectoryView}
+    assert seen[TrajectoryView.AS_IT_IS].objective(t) == pytest.approx(direct, rel=1e-12)
+    assert seen[TrajectoryView.REFLECTED].objective(lo + hi - t) == pytest.approx(direct, rel=1e-12)
+    assert seen[TrajectoryView.CENTRED].objective(t - (lo + hi) / 2) == pytest.approx(direct, rel=1e-12)
+    assert seen[TrajectoryView.CENTRED].box.lower == pytest.approx(-seen[TrajectoryView.CENTRED].box.upper)
 
 
 def test_unknown_views_and_functions_are_named():
     with pytest.raises(StudyError, match="no function for the audit 'spere'; did you mean 'sphere'"):
-        tasks.function_task("spere", 3, tasks.ORIGIN, 0)
-    with pytest.raises(StudyError, match="no view of a function"):
+        tasks.function_task("spere", 3, FunctionView.ORIGIN, 0)
+    with pytest.raises(StudyError, match="no function view"):
         tasks.function_task("sphere", 3, "sideways", 0)
-    with pytest.raises(StudyError, match="no view of the durations"):
+    with pytest.raises(StudyError, match="no trajectory view"):
         tasks.trajectory_task(WOODWORKING.problem, "poly353", "scaled", "sideways")
 
 
@@ -119,9 +120,9 @@ def test_function_findings_by_hand():
     found = audit_functions.function_findings(
         _outcomes(
             {
-                ("a", "f", tasks.ORIGIN): [1.0, 3.0], ("a", "f", tasks.SHIFTED): [200.0, 600.0],
-                ("a", "g", tasks.ORIGIN): [1.0], ("a", "g", tasks.SHIFTED): [1.0],
-                ("b", "f", tasks.ORIGIN): [2.0], ("b", "f", tasks.SHIFTED): [1.0],
+                ("a", "f", FunctionView.ORIGIN): [1.0, 3.0], ("a", "f", FunctionView.SHIFTED): [200.0, 600.0],
+                ("a", "g", FunctionView.ORIGIN): [1.0], ("a", "g", FunctionView.SHIFTED): [1.0],
+                ("b", "f", FunctionView.ORIGIN): [2.0], ("b", "f", FunctionView.SHIFTED): [1.0],
             }
         )
     )  # fmt: skip
@@ -134,21 +135,25 @@ def test_function_findings_by_hand():
 
 def test_one_run_that_is_stuck_decides_nothing_on_the_diagonal():
     values = {
-        ("a", "f", tasks.ORIGIN): [1.0],
-        ("a", "f", tasks.SHIFTED): [1.0],
-        ("a", "f", tasks.DIAGONAL): [1.0, 2.0, 3.0],
+        ("a", "f", FunctionView.ORIGIN): [1.0],
+        ("a", "f", FunctionView.SHIFTED): [1.0],
+        ("a", "f", FunctionView.DIAGONAL): [1.0, 2.0, 3.0],
     }
-    stuck = audit_functions.function_findings(_outcomes(values | {("a", "f", tasks.OFF_DIAGONAL): [4.0, 3.0, 9000.0]}))
+    stuck = audit_functions.function_findings(
+        _outcomes(values | {("a", "f", FunctionView.OFF_DIAGONAL): [4.0, 3.0, 9000.0]})
+    )
     assert stuck[0].diagonal == 2.0
-    worse = audit_functions.function_findings(_outcomes(values | {("a", "f", tasks.OFF_DIAGONAL): [1.0, 80.0, 90.0]}))
+    worse = audit_functions.function_findings(
+        _outcomes(values | {("a", "f", FunctionView.OFF_DIAGONAL): [1.0, 80.0, 90.0]})
+    )
     assert worse[0].diagonal == 40.0
     assert list(audit.flags_of(worse, [])) == ["a"]
 
 
 def test_trajectory_findings_by_hand():
     durations = {
-        ("a", tasks.AS_IT_IS): [1.0, 2.0, 3.0], ("a", tasks.REFLECTED): [4.0, 5.0, 6.0], ("a", tasks.CENTRED): [1.0, 2.0, 3.0],
-        ("b", tasks.REFLECTED): [1.0, 1.0, 1.0],
+        ("a", TrajectoryView.AS_IT_IS): [1.0, 2.0, 3.0], ("a", TrajectoryView.REFLECTED): [4.0, 5.0, 6.0], ("a", TrajectoryView.CENTRED): [1.0, 2.0, 3.0],
+        ("b", TrajectoryView.REFLECTED): [1.0, 1.0, 1.0],
     }  # fmt: skip
     found = audit_trajectories.trajectory_findings(
         {
@@ -176,9 +181,9 @@ def test_turned_axes_are_marked_and_raise_no_flag():
 def test_flags_name_the_view_that_matters():
     functions = [FunctionFinding("a", {}, 2.0, 99.0, {}, 20.0), FunctionFinding("b", {}, 2.0, 2.0, {}, 2.0)]
     seen = [
-        TrajectoryFinding("b", "case-1", "penalty", tasks.REFLECTED, 5.0, 6.0, 0.9, 0.01),
-        TrajectoryFinding("c", "case-1", "penalty", tasks.REFLECTED, 5.0, 6.0, 0.9, 0.06),
-        TrajectoryFinding("c", "case-1", "penalty", tasks.CENTRED, 5.0, 5.1, 0.6, 0.01),
+        TrajectoryFinding("b", "case-1", "penalty", TrajectoryView.REFLECTED, 5.0, 6.0, 0.9, 0.01),
+        TrajectoryFinding("c", "case-1", "penalty", TrajectoryView.REFLECTED, 5.0, 6.0, 0.9, 0.06),
+        TrajectoryFinding("c", "case-1", "penalty", TrajectoryView.CENTRED, 5.0, 5.1, 0.6, 0.01),
     ]
     flags = audit.flags_of(functions, seen)
     assert flags.keys() == {"a", "b"}
@@ -198,12 +203,12 @@ def test_the_audit_flags_those_that_contract_and_not_the_standard_ones():
 def test_random_search_is_blind_to_the_view_up_to_rounding():
     jobs = audit_trajectories.trajectory_jobs({"r": RandomSearch()}, [WOODWORKING], SMALL, ["scaled"])
     values = grouped(run_all(jobs))
-    same = [values["r", "woodworking", "scaled", view] for view in (tasks.AS_IT_IS, tasks.CENTRED)]
+    same = [values["r", "woodworking", "scaled", view] for view in (TrajectoryView.AS_IT_IS, TrajectoryView.CENTRED)]
     assert same[0] == pytest.approx(same[1], rel=1e-9)
 
 
 def test_a_search_that_breaks_down_is_a_record():
-    trial = Trial("de", "sphere", tasks.ORIGIN, 0, 20, 2, 3)
+    trial = Trial("de", "sphere", FunctionView.ORIGIN, 0, 20, 2, 3)
     (outcome,) = TrialJob(trial, audit.audited_searches(False)["de"], range(1)).run()
     assert outcome.value == np.inf
     assert outcome.reason.startswith("StudyError")
@@ -228,7 +233,7 @@ def _papers_cases():
 
 
 def test_plain_smwoa_is_woa():
-    trial = Trial("", "sphere", tasks.SHIFTED, 2, 400, 20, 5)
+    trial = Trial("", "sphere", FunctionView.SHIFTED, 2, 400, 20, 5)
     smwoa = next(one for one in ABLATIONS if one.title == "SMWOA").forms[PLAIN]
     assert isinstance(smwoa, SMWOA)
     assert TrialJob(trial, smwoa, range(2, 4)).run() == TrialJob(trial, WOA(), range(2, 4)).run()
@@ -237,7 +242,9 @@ def test_plain_smwoa_is_woa():
 def _ablation(values):
     return ablations.ablation_findings(
         {
-            Trial(f"ur5-smwoa: {form}", "case", tasks.AS_IT_IS, seed, 10, 5, formulation="penalty"): TrialOutcome(value)
+            Trial(
+                f"ur5-smwoa: {form}", "case", TrajectoryView.AS_IT_IS, seed, 10, 5, formulation="penalty"
+            ): TrialOutcome(value)
             for form, several in values.items()
             for seed, value in enumerate(several)
         }

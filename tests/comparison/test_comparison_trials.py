@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from study.cases.library import load_case
-from study.comparison import tasks
 from study.comparison.audit import audited_searches
 from study.comparison.audit_functions import function_jobs
 from study.comparison.audit_trajectories import trajectory_jobs
 from study.comparison.build import trial_jobs
 from study.comparison.effort import QUICK
+from study.comparison.tasks import FunctionView
 from study.comparison.trials import TOGETHER, Trial, TrialJob, TrialOutcome, repeated
 from study.planning import Status
 from study.runs.runner import run_jobs
@@ -21,7 +21,7 @@ from study.store.kept import key_of
 from study.store.maintenance import merge, verify
 from study.store.store import Store
 
-TRIAL = Trial("woa", "sphere", tasks.SHIFTED, 0, 100, 10, 4)
+TRIAL = Trial("woa", "sphere", FunctionView.SHIFTED, 0, 100, 10, 4)
 JOBS = [TrialJob(TRIAL, WOA(), range(3)), TrialJob(replace(TRIAL, search="pso"), PSO(), range(1))]
 SMALL = replace(QUICK, functions=("ackley",), dosed=("ackley",), dimensions=5, population=7, generations=6)
 

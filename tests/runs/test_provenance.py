@@ -38,6 +38,7 @@ import study
 from study import code_digest
 from study.cases.library import _library, load_case
 from study.comparison import tasks
+from study.comparison.tasks import FunctionView, TrajectoryView
 from study.comparison.trials import Trial, TrialJob
 from study.reproduction.benchmark_runs import BenchmarkJob
 from study.reproduction.genetic_runs import GeneticJob
@@ -64,8 +65,8 @@ def jobs():
     for name in ("casadi-nlp", "toppra", "woa", "pso"):
         made[f"cell {name}"] = CellJob(make_cells([case], parse_specs(name), Budget(1, 40))[0], case.problem)
     for name, search in {"woa": WOA(), "pso": PSO()}.items():
-        seen = Trial(name, "woodworking", tasks.AS_IT_IS, 0, 20, 5, formulation="scaled")
-        made[f"function trial {name}"] = TrialJob(Trial(name, "sphere", tasks.ORIGIN, 0, 20, 5, 3), search, range(2))
+        seen = Trial(name, "woodworking", TrajectoryView.AS_IT_IS, 0, 20, 5, formulation="scaled")
+        made[f"function trial {name}"] = TrialJob(Trial(name, "sphere", FunctionView.ORIGIN, 0, 20, 5, 3), search, range(2))
         made[f"case trial {name}"] = TrialJob(seen, search, range(2), case.problem, case.curve)
         made[f"benchmark {name}"] = BenchmarkJob("woodworking-golds-pso", "F5", "standard", search, 5, 3, 2)
         made[f"motion {name}"] = MotionJob("woodworking", search, 0, 5, 3, 2)
