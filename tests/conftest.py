@@ -20,6 +20,7 @@ from study.cases.library import Case, Published
 from study.cli.main import main
 from study.planning import RunSettings
 from study.problem import EndCondition, JointLimits, Problem
+from tests.helpers.threads import no_processes
 
 STUBS = Path(__file__).parent / "stubs"
 
@@ -122,6 +123,12 @@ def case_file(tmp_path: Path) -> Path:
     path = tmp_path / "mini.yaml"
     path.write_text(CASE_FILE)
     return path
+
+
+@pytest.fixture
+def threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run jobs in threads of this process; for tests in which worker processes are not the point."""
+    no_processes(monkeypatch)
 
 
 @pytest.fixture

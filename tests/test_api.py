@@ -352,7 +352,7 @@ def test_plan_ends_with_3_where_there_is_no_feasible_motion(small, study_command
     assert ended.stderr == "study: case 'small': no feasible motion was found; the reasons are above\n"
 
 
-def test_compare_leaves_trajectory_and_results(small, study_command, tmp_path):
+def test_compare_leaves_trajectory_and_results(small, study_command, tmp_path, threads):
     arguments = ["compare", small, "--planners", "casadi-nlp,ruckig-stops", "--no-report", "--out", tmp_path / "out"]
     ended = study_command(*arguments)
     assert ended.returncode == 0, ended.stderr
@@ -362,7 +362,7 @@ def test_compare_leaves_trajectory_and_results(small, study_command, tmp_path):
     assert "2 cells, 2 of them stored already" in study_command(*arguments).stdout
 
 
-def test_a_motion_of_microseconds_is_told_and_sampled_as_such(study_command, tmp_path):
+def test_a_motion_of_microseconds_is_told_and_sampled_as_such(study_command, tmp_path, threads):
     path = tmp_path / "fast.json"
     limits = {"velocity": 1e6, "acceleration": 2e12, "jerk": 3e19}
     path.write_text(json.dumps({"units": "rad", "waypoints": [[0, 0], [1, 0.5], [0, 1]], "limits": limits}))
@@ -375,7 +375,7 @@ def test_a_motion_of_microseconds_is_told_and_sampled_as_such(study_command, tmp
     assert re.search(r" \d\.\d+e-06 ", compared.stdout), compared.stdout
 
 
-def test_waypoints_alone_with_limits_from_a_robots_files(study_command, tmp_path):
+def test_waypoints_alone_with_limits_from_a_robots_files(study_command, tmp_path, threads):
     limits = MOVEIT.replace("max_velocity: 1e0", "max_velocity: 1e0\n    max_acceleration: 2.0")
     (tmp_path / "joint_limits.yaml").write_text(limits)
     (tmp_path / "points.csv").write_text("panda_joint1;joint <2>\r\n0;0\r\n30;40,5\r\n60;0\r\n")
@@ -394,7 +394,7 @@ def test_waypoints_alone_with_limits_from_a_robots_files(study_command, tmp_path
     assert "holds waypoints only; add --limits" in bare.stderr
 
 
-def test_a_joint_without_an_acceleration_limit_is_warned_of_first_and_writes_no_file(study_command, tmp_path):
+def test_a_joint_without_an_acceleration_limit_is_warned_of_first_and_writes_no_file(study_command, tmp_path, threads):
     (tmp_path / "fast.yaml").write_text(
         "units: rad\nwaypoints: [[0, 0], [1, 0.5], [0.2, 0.4]]\nlimits: {velocity: [2, 1]}\n"
     )

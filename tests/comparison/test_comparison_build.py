@@ -17,6 +17,7 @@ from study.runs.runner import run_jobs
 from study.runs.selections import YARDSTICKS
 from study.store.store import Store
 from tests.helpers.comparisons import CASES, TINY
+from tests.helpers.threads import no_processes
 
 pytest.importorskip("scikit_posthocs", reason="the comparison needs the extra 'compare'")
 
@@ -34,7 +35,8 @@ def timeless(found):
 
 def compared(path, told=lambda part, done, total: None):
     """Compare with one worker, told of every part how far it is."""
-    with Store(path) as store:
+    with Store(path) as store, pytest.MonkeyPatch.context() as patch:
+        no_processes(patch)
 
         def run(part, jobs):
             done = len(jobs) - len(store.missing(jobs))

@@ -25,6 +25,7 @@ from tests.helpers.viewer import can_draw
 
 LARGEST = 300_000
 Command = Callable[..., subprocess.CompletedProcess[str]]
+pytestmark = pytest.mark.usefixtures("threads")
 
 
 @can_draw

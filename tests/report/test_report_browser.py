@@ -26,6 +26,7 @@ from study.runs.lineup import Budget, Spec, make_cells
 from study.runs.runner import run_jobs
 from study.store.store import Store
 from tests.helpers.comparisons import TINY
+from tests.helpers.threads import no_processes
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium is installed")
@@ -110,7 +111,8 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     cells += make_cells([other], [Spec("pso", "scaled", "shared"), Spec("centre")], Budget(seeds=1, evaluations=60))
     results = [CellJob(cell, cases[cell.case].problem).run() for cell in cells]
     out = tmp_path_factory.mktemp("out")
-    with Store(out / "results.sqlite") as store:
+    with Store(out / "results.sqlite") as store, pytest.MonkeyPatch.context() as patch:
+        no_processes(patch)
         found = compare({case.name: case}, TINY, store, lambda part, jobs: run_jobs(jobs, store, workers=1))
     write_pages(found, out / "report" / "comparison", {"Python": "3.x"})
     return build_report(summarise(cases, results), out / "report", {"Python": "3.x"}).parent

@@ -427,7 +427,7 @@ def test_mistakes_on_the_command_line(arguments, said, tmp_path):
     assert said in str(result.exception)
 
 
-def test_the_command_leaves_pages_and_cells(tmp_path, monkeypatch):
+def test_the_command_leaves_pages_and_cells(tmp_path, monkeypatch, threads):
     monkeypatch.setattr(command, "QUICK", TINY)
     console = Console(record=True, width=160)
     monkeypatch.setattr(command, "make_console", lambda: console)

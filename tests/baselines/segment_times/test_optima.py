@@ -47,7 +47,7 @@ def test_nlp_and_certificate_agree_on_every_joint_of_every_353_case(name: str, j
 
 
 @pytest.mark.parametrize("name", ["woodworking", "puma560", "aubo-i5", "ur5-bspline", "ur5-helix", "ur5-helix-smooth"])
-def test_started_from_any_stored_search_the_nlp_never_ends_slower(name: str, tmp_path) -> None:
+def test_started_from_any_stored_search_the_nlp_never_ends_slower(name: str, tmp_path, threads) -> None:
     case = load_case(name)
     specs = [Spec(search) for search in SEARCHES] + [Spec(search, "scaled", "shared") for search in SEARCHES]
     cells = make_cells([case], specs, Budget(seeds=1, evaluations=400))
