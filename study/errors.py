@@ -7,7 +7,12 @@ from collections.abc import Iterable, Sequence
 
 
 class StudyError(Exception):
-    """A mistake the user can mend; its text says where, what was expected, what came and what would do."""
+    """A mistake the user can mend; its text, one line, says where, what was expected, what came and what would do."""
+
+    def __str__(self) -> str:
+        return "; ".join(
+            filter(None, map(str.strip, super().__str__().splitlines()))
+        )  # others' reasons may have several
 
     about_joint: tuple[str, int, tuple[float, ...], int] | None = None
     """Sentence, joint, values and their order, where the mistake is one joint's; see `joint_error`."""

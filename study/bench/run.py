@@ -21,6 +21,7 @@ from study.bench.references import reference_rows
 from study.bench.searches import search_rows
 from study.errors import StudyError
 from study.files import write_file
+from study.io.text import read_text
 from study.runs.environment import environment
 
 VERSION = 1
@@ -118,14 +119,12 @@ def read(path: Path) -> Bench:
         If the file is missing or is no bench of this version.
     """
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
+        record = json.loads(read_text(path))
         if record["version"] != VERSION:
             raise StudyError(f"{path}: expected measurements of version {VERSION}, got version {record['version']}")
         rows = tuple(_row(row) for row in record["rows"])
         growth = tuple(Point(**point | {"seconds": tuple(point["seconds"])}) for point in record["growth"])
-    except OSError as error:
-        raise StudyError(f"the measurements {str(path)!r} cannot be read: {error.strerror}") from None
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise StudyError(f"{path}: not the measurements of a bench ({error}); write them with `study bench`") from None
     return Bench(record["environment"], record["quick"], record["compile_seconds"], rows, growth, record["peak_bytes"])
 

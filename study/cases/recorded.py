@@ -144,6 +144,8 @@ def _in_order(samples: Samples, n_joints: int, where: str) -> Samples:
         return samples
     if times is None:
         table, times = table[:, 1:], table[:, 0]
+    if samples.velocities is not None and table.shape[1] == n_joints:
+        return replace(samples, names=(), times=times)
     orders = table.shape[1] // n_joints
     if table.shape[1] != orders * n_joints or not 1 <= orders <= 3 or samples.velocities is not None:
         raise StudyError(

@@ -34,6 +34,7 @@ from study.cli.shared import (
 from study.errors import StudyError
 from study.files import write_file
 from study.io.filenames import file_stem
+from study.io.text import read_text
 from study.registry import unavailable_planners
 from study.runs.environment import environment
 from study.runs.execute import cell_jobs, stored_results
@@ -153,7 +154,7 @@ def _build_pages(cases: Mapping[str, Case], path: Path, full: bool, seeds: int |
 def _link_comparison(out: Path) -> None:
     """Write the report again where there is one, so that its index leads to the comparison."""
     index = out / "report" / "index.html"
-    if not index.is_file() or "comparison/index.html" in index.read_text(encoding="utf-8"):
+    if not index.is_file() or "comparison/index.html" in read_text(index):
         return
     from study.report.page import build_report  # here: matplotlib is slow to import
 

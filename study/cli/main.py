@@ -49,7 +49,7 @@ COMMANDS = {
     "torture": Entry(
         "torture",
         "torture",
-        "Put random problems of every kind (1-8 joints, 2-200 waypoints, six decades) to planners; ends with 3 if one crashes.",
+        "Put random problems of every kind (1-8 joints, 2-200 waypoints, six decades) to planners; ends with 3 if one crashes, hangs or is wrong.",
     ),
     "bench": Entry(
         "bench",

@@ -16,11 +16,9 @@ from study.errors import Interrupted, StudyError
 from study.registry import planner_named
 from study.runs.runner import default_jobs
 from study.testing.attacks import ATTACKS
-from study.testing.stress import CRASH, ENDS, WRONG, AttemptEnd, reference_planners
+from study.testing.stress import ENDS, MUST_NOT, AttemptEnd, reference_planners
 from study.testing.stress import torture as run_torture
 from study.testing.two_judges import AGREEMENTS, compare_judges
-
-MUST_NOT = (WRONG, CRASH)
 
 
 def torture(
@@ -35,7 +33,7 @@ def torture(
         int, typer.Option(help="Instead, put so many random and adversarial motions to two independent judges.", min=0)
     ] = 0,
 ) -> None:
-    """Put random problems of every kind (1-8 joints, 2-200 waypoints, six decades) to planners; ends with 3 if one crashes."""
+    """Put random problems of every kind (1-8 joints, 2-200 waypoints, six decades) to planners; ends with 3 if one crashes, hangs or is wrong."""
     if judges:
         return _compare(judges, seed, default_jobs() if jobs is None else jobs)
     names = [
@@ -46,12 +44,14 @@ def torture(
     jobs = default_jobs() if jobs is None else jobs
     if jobs < 1:
         raise StudyError(f"the number of jobs must be at least 1, got {jobs}")
-    console, counts = make_console(), {name: Counter[str]() for name in names}
+    console, counts, instants = make_console(), {name: Counter[str]() for name in names}, 0
     with terminal.progress(console) as progress:
         task = progress.add_task("running", total=problems * len(names))
 
         def finished(end: AttemptEnd) -> None:
+            nonlocal instants
             attempt = end.attempt
+            instants += end.instants
             counts[attempt.planner][end.kind] += 1
             progress.update(task, advance=1, description=f"problem {attempt.number}: {attempt.planner}")
             if end.kind in MUST_NOT:
@@ -61,6 +61,10 @@ def torture(
             run_torture(names, problems, seed, time_limit, jobs, finished)
     done = min(count.total() for count in counts.values())
     console.print(_table(counts, done, seed))
+    console.print(
+        f"every feasible motion passed the exact judge and an independent sampler, {instants:,} instants in all; "
+        "a hang is a planner still at work 10 s after twice its time limit"
+    )
     if done < problems:
         raise Interrupted(f"interrupted after {done} of {problems} problems; the table counts what was done")
     if any(count[kind] for count in counts.values() for kind in MUST_NOT):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from study.errors import StudyError, plural
-from study.files import read_file
+from study.files import MOST_BYTES, read_file
 from study.io.columns import sampled_columns
 from study.io.samples import Samples
 from study.problem import Floats
@@ -21,6 +22,9 @@ POSITIONS = dict.fromkeys(
 TIMES = ("time", "times", "t", "timestamp", "timestamps")
 VELOCITIES = ("velocity", "velocities", "qd", "qvel", "joint_velocities")
 ACCELERATIONS = ("acceleration", "accelerations", "qdd")
+PYTHON_VALUE = 32
+"""Bytes that a value of a table takes in memory."""
+
 NAMES = ("joint_names", "names", "joints")
 EXACT = ("knots", "coefficients", "time_coefficients", "position_coefficients", "waypoint_times", "jerk")
 """Arrays of a motion that `study.io.export` writes beside its samples."""
@@ -46,13 +50,23 @@ def load_arrays(path: Path) -> dict[str, Any]:
         If the file is no such archive or holds Python objects.
     """
     try:
+        raw = io.BytesIO(read_file(path))
+        if zipfile.is_zipfile(raw):
+            _check_size(sum(part.file_size for part in zipfile.ZipFile(raw).infolist()), path)
+        raw.seek(0)
         with np.errstate(all="ignore"):
-            content = np.load(io.BytesIO(read_file(path)), allow_pickle=False)
+            content = np.load(raw, allow_pickle=False)
         return {"position": content} if isinstance(content, np.ndarray) else dict(content)
     except StudyError:
         raise
     except Exception as error:  # a damaged archive raises whatever the part that reads it makes of it
         raise StudyError(f"file {path.name!r} is no NumPy file of numbers: {error}") from None
+
+
+def _check_size(size: int, path: Path) -> None:
+    """Refuse what a small file unpacks to if no file of that size would be read."""
+    if size > MOST_BYTES:
+        raise StudyError(f"file {path.name!r} cannot be read: unpacked it is larger than {MOST_BYTES / 2**20:g} MB")
 
 
 def samples_from_arrays(arrays: Mapping[str, Any], where: str) -> Samples:
@@ -96,10 +110,25 @@ def samples_from_arrays(arrays: Mapping[str, Any], where: str) -> Samples:
     )
 
 
+def floats(values: Any) -> Floats:
+    """Take real numbers of any kind.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If they are complex, dates or no numbers at all.
+    """
+    array = np.asarray(values)
+    if array.dtype.kind in "cmMV":
+        raise ValueError(f"values of {array.dtype} are no real numbers")
+    with np.errstate(all="ignore"):
+        return array.astype(float)
+
+
 def _matrix(values: Any, where: str, shape: tuple[int, ...] | None) -> Floats:
     try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
+        array = floats(values)
+    except (TypeError, ValueError, OverflowError):
         raise StudyError(f"{where}: an array of positions, rates or times holds no numbers") from None
     wrong = array.ndim != 2 if shape is None else array.shape != shape
     if wrong or not array.size or not np.isfinite(array).all():
@@ -118,15 +147,20 @@ def samples_from_parquet(path: Path) -> Samples:
     """
     where = f"file {path.name!r}"
     try:
-        import pyarrow as pa
         import pyarrow.parquet as pq
     except ModuleNotFoundError:
         raise StudyError(f"{where}: reading Parquet needs the package 'pyarrow'; pip install pyarrow") from None
     try:
-        table = pq.read_table(io.BytesIO(read_file(path)))
-    except (pa.ArrowException, OSError, ValueError) as error:
-        raise StudyError(f"{where} is no Parquet file: {str(error).splitlines()[0]}") from None
-    columns = {name: table.column(name).to_pylist() for name in table.column_names}
+        file = pq.ParquetFile(io.BytesIO(read_file(path)))
+        groups = [file.metadata.row_group(k) for k in range(file.metadata.num_row_groups)]
+        values = sum(group.column(k).num_values for group in groups for k in range(group.num_columns))
+        _check_size(max(PYTHON_VALUE * values, *(group.total_byte_size for group in groups), 0, 0), path)
+        table = file.read()
+        columns = {name: table.column(name).to_pylist() for name in table.column_names}
+    except StudyError:
+        raise
+    except Exception as error:  # a damaged table raises whatever the part that reads it makes of it
+        raise StudyError(f"{where} is no Parquet file that can be read: {error}") from None
     if len(set(columns.get("episode_index", [0]))) > 1:
         raise StudyError(f"{where} holds several episodes; write one of them to a file of its own")
     if "observation.state" in columns:

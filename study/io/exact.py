@@ -7,10 +7,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from study.errors import StudyError
-from study.io.arrays_file import load_arrays
+from study.io.arrays_file import floats, load_arrays
 from study.io.documents import parsed
 from study.parametric import ParametricTrajectory
 from study.problem import Problem
@@ -70,7 +68,7 @@ def read_exact(path: Path) -> Trajectory | ParametricTrajectory:
     if missing:
         raise StudyError(f"file {str(path)!r}: field {missing[0]!r} is missing; write the file again")
     try:
-        return cls(*(np.array(content[part], dtype=float) for part in parts))
+        return cls(*(floats(content[part]) for part in parts))
     except (StudyError, ValueError, TypeError, OverflowError, IndexError, RecursionError) as error:
         raise StudyError(f"file {str(path)!r}: {error}") from None
 

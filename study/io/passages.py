@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from study import polynomial
+from study.errors import StudyError
 from study.problem import Floats
 
 _NEAREST = 64  # pieces looked at for each waypoint
+FARTHEST = 1e150
+"""Spans of the waypoints that a motion may be away from them; squares of larger distances are no numbers any more."""
 
 
 def passages(knots: Floats, coefficients: Floats, waypoints: Floats) -> Floats:
@@ -26,11 +29,21 @@ def passages(knots: Floats, coefficients: Floats, waypoints: Floats) -> Floats:
     Returns
     -------
     array of shape (n_waypoints,), s
+
+    Raises
+    ------
+    StudyError
+        If the motion leaves the waypoints farther than `FARTHEST`.
     """
     span = np.ptp(waypoints, axis=0)
-    unit = np.moveaxis(coefficients, 1, 2) / np.where(span > 0, span, 1.0)[:, None]
     widths = np.diff(knots)
-    unit = unit * widths[:, None, None] ** np.arange(unit.shape[2])
+    with np.errstate(all="ignore"):
+        unit = np.moveaxis(coefficients, 1, 2) / np.where(span > 0, span, 1.0)[:, None]
+        unit = unit * widths[:, None, None] ** np.arange(unit.shape[2])
+    if not (np.abs(unit) < FARTHEST).all():
+        raise StudyError(
+            f"the motion is more than {FARTHEST:g} times the waypoints' span away from them; check its numbers"
+        )
     targets = waypoints / np.where(span > 0, span, 1.0)
     closest = [_closest(knots, widths, unit, target) for target in targets[1:-1]]
     return np.array([knots[0], *_in_order(closest), knots[-1]])

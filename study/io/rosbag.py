@@ -29,6 +29,9 @@ def samples_from_bag(path: Path) -> Samples:
     except ModuleNotFoundError:
         raise StudyError(f"{where}: reading ROS bags needs the package 'rosbags'; pip install rosbags") from None
     folder = path.parent if path.suffix in (".db3", ".mcap") else path
+    for file in (folder, *(folder.iterdir() if folder.is_dir() else ())):
+        if file.exists() and not (file.is_file() or file.is_dir()):
+            raise StudyError(f"file {str(file)!r} cannot be read: it is a pipe or a device, no regular file")
     try:
         with AnyReader([folder]) as reader:
             for kind in KINDS:

@@ -160,11 +160,13 @@ def breaches(samples: Samples, problem: Problem, room: float, where: str) -> lis
     """
     times, most, said = _times(samples, where), 1.0 + max(room, TOLERANCE), list[str]()
     given = [*samples.rates]
-    while len(given) < 2:
-        given.append(np.gradient((samples.positions, *given)[len(given)], times, axis=0))
+    with np.errstate(all="ignore"):  # what is not finite is beyond every limit
+        while len(given) < 2:
+            given.append(np.gradient((samples.positions, *given)[len(given)], times, axis=0))
     for order, (name, values) in enumerate(zip(("velocity", "acceleration"), given, strict=True)):
         highest, lowest = problem.limits.highest_rates[order], problem.limits.lowest_rates[order]
-        shares = np.maximum(values / highest, values / lowest)
+        with np.errstate(all="ignore"):
+            shares = np.where(np.isfinite(values), np.maximum(values / highest, values / lowest), np.inf)
         for joint in map(int, np.flatnonzero((shares > most).any(axis=0))):
             row = int(shares[:, joint].argmax())
             said.append(

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import xml.etree.ElementTree as ET  # files with a DOCTYPE, the way in for entity attacks, are refused
+from importlib.util import find_spec
 from pathlib import Path
 
 from study.errors import StudyError
@@ -10,6 +13,21 @@ from study.io.text import read_text
 
 DEEPEST = 200
 """Levels of elements in one another that are read."""
+
+PATIENCE = 20.0
+"""Seconds after which xacro is ended: its macros may call themselves, and its sums be of any size."""
+
+EXPANDING = """\
+import sys, xacro
+try:
+    import resource
+    resource.setrlimit(resource.RLIMIT_AS, (2**30, 2**30))
+except ImportError:
+    pass
+text = xacro.process_file(sys.argv[1]).toxml()
+sys.stdout.buffer.write(text.encode("ascii", "xmlcharrefreplace"))
+"""
+"""Program of the process in which xacro works, with 1 GB of memory where the system can limit it."""
 
 
 def read_xml(path: Path) -> ET.Element:
@@ -45,12 +63,14 @@ def _root(text: str, where: str) -> ET.Element:
 
 def _expanded(path: Path, where: str) -> str:
     first = f"or expand it first with: xacro {path.name} > robot.urdf"
+    if find_spec("xacro") is None:
+        raise StudyError(f"{where} holds xacro macros; pip install xacro, {first}")
+    command = [sys.executable, "-c", EXPANDING, str(path)]
     try:
-        import xacro
-    except ModuleNotFoundError:
-        raise StudyError(f"{where} holds xacro macros; pip install xacro, {first}") from None
-    try:
-        return str(xacro.process_file(str(path)).toxml())
-    except Exception as error:  # xacro names its errors by the macro at work
-        said = " ".join(str(error).split())
-        raise StudyError(f"{where}: xacro cannot expand it: {said}; mend that, {first}") from None
+        ended = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)  # noqa: S603
+    except subprocess.TimeoutExpired:
+        raise StudyError(f"{where}: xacro has not expanded it after {PATIENCE:g} s; mend that, {first}") from None
+    if ended.returncode:
+        said = " ".join((ended.stderr.strip().splitlines() or ["it ended without a word"])[-1].split())
+        raise StudyError(f"{where}: xacro cannot expand it: {said}; mend that, {first}")
+    return ended.stdout

@@ -10,6 +10,7 @@ import rerun as rr
 from scipy.spatial.transform import Rotation
 
 from study.errors import StudyError
+from study.files import read_file
 from study.problem import Floats
 from study.recording.stream import time_column
 from study.robots.meshes import Shape
@@ -41,10 +42,7 @@ def mesh_contents(shapes: Sequence[Shape], arms: int) -> dict[Path, bytes]:
     """
     contents: dict[Path, bytes] = {}
     for path in {shape.path for shape in shapes}:
-        try:
-            contents[path] = path.read_bytes()
-        except OSError as error:
-            raise StudyError(f"{path.name!r} cannot be read: {error.strerror}") from None
+        contents[path] = read_file(path)
     total = arms * sum(len(contents[shape.path]) for shape in shapes)
     if total > ROOM:
         raise StudyError(f"their meshes would take {total / 1e6:.0f} MB, of which {ROOM / 1e6:.0f} MB are allowed")

@@ -18,6 +18,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from study.errors import StudyError
+from study.files import read_file, write_file
 from study.recording.process import LOOPBACK, PATIENCE, free_port, private_environment, reason
 
 FOLDER = "viewer"
@@ -48,16 +49,12 @@ def interactive_pages(recordings: Mapping[str, Path], out: Path) -> dict[str, tu
     """
     stem = f"{FOLDER}/rerun-{version('rerun-sdk')}"
     program, machine = f"{stem}.js", f"{stem}.wasm.js"
-    try:
-        (out / FOLDER).mkdir(parents=True, exist_ok=True)
-        if not ((out / program).exists() and (out / machine).exists()):
-            script, binary = _viewer_files(next(iter(recordings.values())))
-            (out / program).write_bytes(script)
-            (out / machine).write_text(_packed("VIEWER", binary), encoding="ascii")
-        for name, path in recordings.items():
-            (out / FOLDER / f"{name}.rrd.js").write_text(_packed("RECORDING", path.read_bytes()), encoding="ascii")
-    except OSError as error:
-        raise StudyError(f"the viewer cannot be written to {str(out)!r}: {error.strerror or error}") from None
+    if not ((out / program).exists() and (out / machine).exists()):
+        script, binary = _viewer_files(next(iter(recordings.values())))
+        write_file(out / program, script)
+        write_file(out / machine, _packed("VIEWER", binary))
+    for name, path in recordings.items():
+        write_file(out / FOLDER / f"{name}.rrd.js", _packed("RECORDING", read_file(path)))
     return {name: (program, machine, f"{FOLDER}/{name}.rrd.js") for name in recordings}
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import rerun as rr
 
 from study.errors import StudyError
+from study.files import replacing
 
 APPLICATION = "time-optimal-study"
 TIMELINE = "t"
@@ -52,21 +53,16 @@ def recording_file(path: Path, recording: str) -> Iterator[rr.RecordingStream]:
     Raises
     ------
     StudyError
-        If the folder cannot be written, or logging is switched off by the environment variable RERUN.
+        If it cannot be written whole, or logging is switched off by the environment variable RERUN.
     """
-    partial = path.with_name(f".{path.name}.partial")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_bytes(b"")
-    except OSError as error:
-        raise StudyError(f"recording {path}: cannot be written: {error.strerror}; choose another folder") from None
-    try:
-        with strict(), rr.RecordingStream(APPLICATION, recording_id=recording, send_properties=False) as stream:
-            if not rr.is_enabled(stream):
-                raise StudyError(f"recording {path}: rerun is switched off; unset the environment variable RERUN")
-            stream.save(partial)
-            rr.set_log_time_enabled(False, recording=stream)
-            yield stream
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+        with replacing(path) as part:
+            part.write_bytes(b"")
+            with strict(), rr.RecordingStream(APPLICATION, recording_id=recording, send_properties=False) as stream:
+                if not rr.is_enabled(stream):
+                    raise StudyError(f"recording {path}: rerun is switched off; unset the environment variable RERUN")
+                stream.save(part)
+                rr.set_log_time_enabled(False, recording=stream)
+                yield stream
+    except RuntimeError as error:  # rerun's own, as of a full disk
+        raise StudyError(f"recording {path} cannot be written: {error}; choose another folder") from None

@@ -13,6 +13,7 @@ from typing import Any
 from rerun.experimental import ViewerClient
 
 from study.errors import StudyError, unknown
+from study.files import write_file
 from study.recording.process import (
     LOOPBACK,
     address,
@@ -73,7 +74,7 @@ def screenshot(recording: Path, png: Path, time: float = 0.0, tab: str | None = 
         if tab is not None:
             show_tab(client, tab)
         client.set_time(TIMELINE, duration=time, play_state="paused")
-        png.write_bytes(settled_picture(client))
+        write_file(png, settled_picture(client))
         return complaints(client)
 
 

@@ -13,6 +13,7 @@ from study.analysis.methods import Kind, MethodSummary, lower_bound
 from study.analysis.sentences import answer
 from study.errors import StudyError
 from study.files import write_file
+from study.io.text import read_text
 
 BEGIN, END = "<!-- answer -->", "<!-- /answer -->"
 ON_CURVE, OFF_CURVE = ("published", *SEARCHES, "optimiser"), ("optimiser", "fixed", "free")
@@ -76,11 +77,8 @@ def put_answer(path: Path, text: str) -> None:
     StudyError
         If the file cannot be read or written, or does not hold the two marks.
     """
-    try:
-        old = path.read_text(encoding="utf-8")
-        if old.count(BEGIN) != 1 or old.count(END) != 1 or old.index(BEGIN) > old.index(END):
-            raise StudyError(f"{str(path)!r} needs the marks {BEGIN} and {END} once each, in this order")
-        before, after = old[: old.index(BEGIN)], old[old.index(END) :]
-        write_file(path, f"{before}{BEGIN}\n{text}\n{after}")
-    except (OSError, UnicodeDecodeError) as error:
-        raise StudyError(f"the answer cannot be put into {str(path)!r}: {error}") from None
+    old = read_text(path)
+    if old.count(BEGIN) != 1 or old.count(END) != 1 or old.index(BEGIN) > old.index(END):
+        raise StudyError(f"{str(path)!r} needs the marks {BEGIN} and {END} once each, in this order")
+    before, after = old[: old.index(BEGIN)], old[old.index(END) :]
+    write_file(path, f"{before}{BEGIN}\n{text}\n{after}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import os
 import sqlite3
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from study.errors import StudyError
+from study.files import harmless, replacing
 from study.store.codec import decode, settings_from
 from study.store.file import exists, explained, reading, transaction, writing
 from study.store.provenance import is_stale
@@ -125,17 +125,9 @@ def export_columns(path: Path, target: Path) -> int:
     writers = {".csv": _write_csv, ".parquet": _write_parquet}
     if target.suffix not in writers:
         raise StudyError(f"{target}: results are exported to a file that ends in .csv or .parquet")
-    unfinished = target.with_name(target.name + ".part")
-    try:
-        with reading(path) as connection:
-            rows = connection.execute(f"SELECT {', '.join(COLUMNS)} FROM results ORDER BY kind, subject, label, key")  # noqa: S608
-            count = writers[target.suffix](iter(lambda: rows.fetchmany(BATCH), []), unfinished)
-        os.replace(unfinished, target)
-    except (OSError, ValueError) as error:  # pyarrow says of a value that does not fit that it is invalid
-        raise StudyError(f"cannot write {target}: {getattr(error, 'strerror', None) or error}") from error
-    finally:
-        unfinished.unlink(missing_ok=True)
-    return count
+    with reading(path) as connection, replacing(target) as part:  # pyarrow's word for what does not fit is ValueError
+        rows = connection.execute(f"SELECT {', '.join(COLUMNS)} FROM results ORDER BY kind, subject, label, key")  # noqa: S608
+        return writers[target.suffix](iter(lambda: rows.fetchmany(BATCH), []), part)
 
 
 def _write_csv(batches: Iterator[list[Any]], target: Path) -> int:
@@ -144,14 +136,9 @@ def _write_csv(batches: Iterator[list[Any]], target: Path) -> int:
         writer = csv.writer(file)
         writer.writerow(COLUMNS)
         for rows in batches:
-            writer.writerows([_harmless(value) for value in row] for row in rows)
+            writer.writerows([harmless(value) for value in row] for row in rows)
             count += len(rows)
     return count
-
-
-def _harmless(value: Any) -> Any:
-    """Keep a spreadsheet from taking a name of someone's own for a formula."""
-    return f"'{value}" if isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r")) else value
 
 
 def _write_parquet(batches: Iterator[list[Any]], target: Path) -> int:

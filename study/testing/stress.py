@@ -17,16 +17,20 @@ from study.problem import Problem
 from study.registry import planner_named, planner_names, unavailable_planners
 from study.runs.pool import Overdue, WorkerDied, WorkerPool
 from study.testing import random_problem
+from study.testing.sampler import sampled
 
-FEASIBLE, REASON, TIMEOUT, WRONG, CRASH = (
-    "feasible",
+FEASIBLE, REASON, WRONG, HANG, CRASH = (
+    "feasible, confirmed",
     "stated reason",
-    "time limit",
     "infeasible, unannounced",
+    "hang",
     "crash",
 )
-ENDS = (FEASIBLE, REASON, TIMEOUT, WRONG, CRASH)
-"""Possible ends of an attempt; the last two must not happen."""
+ENDS = (FEASIBLE, REASON, WRONG, HANG, CRASH)
+"""Possible ends of an attempt; a feasible motion is one that the judge passes and the sampler confirms."""
+
+MUST_NOT = (WRONG, HANG, CRASH)
+"""Ends that must not be; a planner hangs if it is still at work 10 s after twice its time limit."""
 
 
 @dataclass(frozen=True)
@@ -49,11 +53,12 @@ class Attempt:
 
 @dataclass(frozen=True)
 class AttemptEnd:
-    """End of an attempt, with its explanation in a sentence."""
+    """End of an attempt, its explanation in a sentence, and the instants at which a feasible motion was sampled."""
 
     attempt: Attempt
     kind: str
     sentence: str
+    instants: int = 0
 
 
 def reference_planners() -> list[str]:
@@ -86,8 +91,13 @@ def endure(attempt: Attempt) -> AttemptEnd:
         return AttemptEnd(attempt, CRASH, f"{type(error).__name__}: {error}")
     if verdict is None:
         return AttemptEnd(attempt, REASON if plan.message else WRONG, plan.message or "neither a motion nor a reason")
-    if verdict.feasible:
-        return AttemptEnd(attempt, FEASIBLE, "")
+    if verdict.feasible and plan.motion is not None:
+        second = sampled(problem, plan.motion)
+        if second.confirmed:
+            return AttemptEnd(attempt, FEASIBLE, "", second.instants)
+        return AttemptEnd(
+            attempt, WRONG, f"the judge passes it, a sample exceeds {second.worst} by {second.excess:.3g}"
+        )
     if ignored := sorted(problem.demands - planner.knows):
         return AttemptEnd(attempt, REASON, f"it does not know {' or '.join(ignored)}, which the problem has")
     announced = plan.status is not Status.FINISHED and plan.message
@@ -140,6 +150,6 @@ def _settled(attempt: Attempt, future: Future[AttemptEnd]) -> AttemptEnd:
     try:
         return future.result()
     except Overdue as error:
-        return AttemptEnd(attempt, TIMEOUT, str(error))
+        return AttemptEnd(attempt, HANG, str(error))
     except WorkerDied as error:
         return AttemptEnd(attempt, CRASH, str(error))

@@ -4,16 +4,22 @@ import json
 import os
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 import yaml
 
 from study.errors import StudyError
 from study.files import as_written, csv_text, read_file, replacing, write_file
+from study.io import arrays_file, xml_file
 from study.io.documents import DEEPEST, documents, parsed
 from study.io.exact import read_exact
 from study.io.limits import read_limits
+from study.io.passages import passages
 from study.io.recordings import read_samples
+from study.io.sampled import breaches
 from study.io.urdf import read_urdf
+from study.problem import JointLimits, Problem
 
 
 def refused(path, read=parsed):
@@ -152,3 +158,75 @@ def test_urdf_in_an_odd_encoding_is_one_sentence(tmp_path, encoding):
 def test_limits_that_are_no_numbers_are_one_sentence(tmp_path, entry):
     path = written(tmp_path, "l.yaml", f"joint_limits:\n  elbow: {entry}\n")
     assert "joint 'elbow'" in refused(path, read_limits)
+
+
+def archive(tmp_path, name, **arrays):
+    np.savez_compressed(tmp_path / name, **arrays)
+    return tmp_path / name
+
+
+def test_a_small_archive_that_unpacks_to_more_than_is_read_is_one_sentence(tmp_path, monkeypatch):
+    monkeypatch.setattr(arrays_file, "MOST_BYTES", 10**6)
+    assert "unpacked it is larger than" in refused(archive(tmp_path, "a.npz", q=np.zeros((10**5, 2))), read_samples)
+    table = pa.table({"elbow": np.zeros(10**5), "wrist": np.zeros(10**5)})
+    pq.write_table(table, tmp_path / "a.parquet")
+    assert (tmp_path / "a.parquet").stat().st_size < 10_000
+    assert "unpacked it is larger than" in refused(tmp_path / "a.parquet", read_samples)
+
+
+def test_numbers_that_are_not_real_are_one_sentence(tmp_path):
+    for kind in ("c16", "M8[s]", "S3"):
+        path = archive(tmp_path, "a.npz", q=np.ones((3, 2)).astype(kind) if kind != "S3" else np.full((3, 2), b"a"))
+        assert "no numbers" in refused(path, read_samples)
+    path = archive(tmp_path, "m.npz", coefficients=np.ones((1, 2, 1), complex), knots=[0, 1], waypoint_times=[0, 1])
+    assert "no real numbers" in refused(path, read_exact)
+
+
+def test_a_damaged_text_in_a_table_is_one_sentence(tmp_path):
+    pq.write_table(
+        pa.table({"elbow": [0.0, 1.0], "said": ["abcdefgh", "b"]}), tmp_path / "a.parquet", compression="none"
+    )
+    content = (tmp_path / "a.parquet").read_bytes()
+    path = written(tmp_path, "b.parquet", content.replace(b"abcdefgh", b"abcd\xe5fgh"))
+    assert "no Parquet file that can be read" in refused(path, read_samples)
+
+
+def test_samples_that_overflow_are_beyond_every_limit(tmp_path):
+    path = written(tmp_path, "a.csv", "time,joint 1\n0,0\n1e-300,1e200\n1,1\n2,-1e308\n3,1e308\n")
+    problem = Problem("p", np.array([[0.0], [1.0]]), JointLimits(np.ones(1), np.ones(1)))
+    said = breaches(read_samples(path), problem, "a.csv", 0.0)
+    assert [name for name in ("velocity", "acceleration") if any(f"{name} of joint 1 reaches inf" in sentence for sentence in said)]
+    knots = np.array([0.0, 1.0])
+    with pytest.raises(StudyError, match="times the waypoints' span away"):
+        passages(knots, np.array([[[0.0], [1e308]]]), problem.waypoints)
+
+
+def test_a_pipe_beside_a_bag_and_in_its_place_is_one_sentence(tmp_path):
+    pytest.importorskip("rosbags")
+    os.mkfifo(tmp_path / "a.bag")
+    assert "no regular file" in refused(tmp_path / "a.bag", read_samples)
+    (tmp_path / "bag").mkdir()
+    os.mkfifo(tmp_path / "bag" / "a.mcap")
+    written(tmp_path, "bag/metadata.yaml", "rosbag2_bagfile_information: {}")
+    assert "no regular file" in refused(tmp_path / "bag", read_samples)
+
+
+XACRO = "<robot xmlns:xacro='http://ros.org/wiki/xacro' name='r'><joint name='${%s}' type='fixed'/></robot>"
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("9**9**9", "has not expanded it after"),
+        ("1 +", "xacro cannot expand it"),
+        ("len([0] * 3 * 10**9)", "xacro cannot expand it"),
+    ],
+)
+def test_macros_that_fail_or_never_end_are_one_sentence(tmp_path, monkeypatch, text, sentence):
+    pytest.importorskip("xacro")
+    monkeypatch.setattr(xml_file, "PATIENCE", 2.0 if "**9**" in text else 60.0)
+    assert sentence in refused(written(tmp_path, "a.xacro", XACRO % text), read_urdf)
+
+
+def test_a_sentence_is_one_line_whatever_others_say():
+    assert str(StudyError("a file: first\n  second\r\n\x0bthird\u2028")) == "a file: first; second; third"

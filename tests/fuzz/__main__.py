@@ -1,0 +1,162 @@
+"""`python -m tests.fuzz [READER ...] [--seconds N] [--seed N] [--keep FOLDER]`: spoilt files for every reader, and figures.
+
+Each reader works in a process of its own. Every input must end as a value or a `StudyError` of one line, within 5 s of
+processor time and 1 GB of memory; ends with 1 where one does not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+import warnings
+from contextlib import ExitStack
+from pathlib import Path
+from types import FrameType
+
+import hypothesis
+from hypothesis import HealthCheck, Phase, Verbosity, settings
+
+from tests.fuzz.files import spoilt
+from tests.fuzz.targets import READERS, prepared, target
+
+SLOW = 5.0
+"""Processor time that an input may take, s."""
+
+MEMORY = 1_000_000_000
+"""Memory that a reader's process may take, bytes."""
+
+ROUND = 500
+HEADER = f"{'reader':<12}{'inputs':>9}{'read':>9}{'refused':>9}{'tracebacks':>12}{'slowest, s':>12}{'memory, MB':>12}{'processor, min':>16}"
+
+
+class TooSlow(BaseException):
+    """Raised into a reader that has used up its processor time."""
+
+
+class Fuzzer:
+    """Counts what becomes of the inputs of one reader, and keeps the first input of every kind of failure."""
+
+    def __init__(self, reader: str, keep: Path) -> None:
+        self.reader, self.keep, self.target = reader, keep, target(reader)
+        self.read = self.refused = 0
+        self.slowest = 0.0
+        self.failures: dict[str, int] = {}
+
+    def __call__(self, folder: Path, name: str, content: bytes) -> None:
+        """Put one input to the reader."""
+        begun, failure = time.process_time(), ""
+        signal.setitimer(signal.ITIMER_PROF, SLOW)
+        try:
+            refused = bool(self.target(folder, name, content))
+            self.refused += refused
+            self.read += not refused
+        except (Exception, TooSlow) as error:
+            place = traceback.extract_tb(error.__traceback__)[-1]
+            ours = [
+                f
+                for f in traceback.extract_tb(error.__traceback__)
+                if "/study/" in f.filename or "/baselines/" in f.filename
+            ]
+            place = ours[-1] if ours else place
+            failure = f"{type(error).__name__} at {Path(place.filename).name}:{place.lineno}"
+            failure += "" if isinstance(error, TooSlow) else f": {str(error)[:100]!r}"
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+        spent = time.process_time() - begun
+        self.slowest = max(self.slowest, spent)
+        if not failure and spent > SLOW:
+            failure = "slow"
+        if not failure and memory() > MEMORY and not any(kind.startswith("memory") for kind in self.failures):
+            failure = "memory"
+        if failure:
+            kind = failure.split("'")[0]
+            self.failures[kind] = self.failures.get(kind, 0) + 1
+            if self.failures[kind] == 1:
+                file = self.keep / f"{self.reader}-{len(self.failures)}-{name}"
+                file.write_bytes(content)
+                print(f"  {self.reader}: {failure}\n    kept as {file}", flush=True)
+
+    def run(self, seconds: float, seed: int) -> None:
+        """Put inputs to the reader until so much processor time is spent."""
+        signal.signal(signal.SIGPROF, interrupt)
+        with ExitStack() as stack:
+            folder = prepared(self.target, stack)
+            begun, round_number = time.process_time(), 0
+            while time.process_time() - begun < seconds:
+                self._round(folder, begun + seconds, seed * 1_000_003 + round_number)
+                round_number += 1
+        self.minutes = (time.process_time() - begun) / 60
+
+    def _round(self, folder: Path, end: float, seed: int) -> None:
+        @hypothesis.seed(seed)
+        @settings(
+            max_examples=ROUND, database=None, deadline=None, phases=[Phase.generate],
+            suppress_health_check=list(HealthCheck), verbosity=Verbosity.quiet,
+        )  # fmt: skip
+        @hypothesis.given(spoilt(self.target.seeds))
+        def inputs(file: tuple[str, bytes]) -> None:
+            if time.process_time() < end:
+                self(folder, *file)
+
+        inputs()
+
+    @property
+    def line(self) -> str:
+        """Figures of this reader."""
+        failed = sum(self.failures.values())
+        return (
+            f"{self.reader:<12}{self.read + self.refused + failed:>9,}{self.read:>9,}{self.refused:>9,}{failed:>12,}{self.slowest:>12.2f}"
+            f"{memory() / 1e6:>12.0f}{self.minutes:>16.2f}"
+        )
+
+
+def memory() -> int:
+    """Largest memory of this process so far, bytes."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+
+
+def interrupt(number: int, frame: FrameType | None) -> None:
+    """Handle the signal of a reader that has used up its processor time."""
+    raise TooSlow
+
+
+def main() -> int:
+    """Fuzz the readers that are asked for, one after the other."""
+    parser = argparse.ArgumentParser(prog="python -m tests.fuzz", description=__doc__)
+    parser.add_argument("readers", nargs="*", metavar="READER", help=f"any of {', '.join(READERS)}; all by default")
+    parser.add_argument("--seconds", type=float, default=8.0, help="processor time for each reader")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--keep", type=Path, help="folder for inputs that fail")
+    parser.add_argument("--inside", action="store_true", help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if unknown := set(given.readers) - set(READERS):
+        parser.error(f"no reader {', '.join(unknown)}; there are {', '.join(READERS)}")
+    keep = given.keep or Path(tempfile.mkdtemp(prefix="fuzz-"))
+    keep.mkdir(parents=True, exist_ok=True)
+    if given.inside:
+        warnings.simplefilter("error")  # a warning would stand on the screen with a line of source
+        resource.setrlimit(resource.RLIMIT_DATA, (4 * MEMORY, resource.RLIM_INFINITY))
+        fuzzer = Fuzzer(given.readers[0], keep)
+        fuzzer.run(given.seconds, given.seed)
+        print(fuzzer.line, flush=True)
+        return bool(fuzzer.failures)
+    print(HEADER, flush=True)
+    status = 0
+    for reader in given.readers or READERS:
+        options = ["--seconds", str(given.seconds), "--seed", str(given.seed), "--keep", str(keep), "--inside"]
+        ended = subprocess.run([sys.executable, "-m", "tests.fuzz", reader, *options])
+        if ended.returncode not in (0, 1):
+            print(f"  {reader}: the process ended with {ended.returncode}")
+        status |= ended.returncode != 0
+    print("every input ended as a value or in one sentence" if not status else f"inputs that did not are in {keep}")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
