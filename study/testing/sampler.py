@@ -55,10 +55,9 @@ def sampled(problem: Problem, motion: Motion, per_piece: int = PER_PIECE) -> Sam
     """
     with np.errstate(all="ignore"):
         samples = _Samples(problem, motion, per_piece)
-        excesses = {name: float(np.max(excess, initial=0.0)) for name, excess in samples.excesses()}
-    excesses = {name: np.inf if np.isnan(excess) else excess for name, excess in excesses.items()}
-    worst = max(excesses, key=lambda name: excesses[name])
-    return Sampled(samples.times.size, excesses[worst], worst)
+        excesses = [(float(np.max(excess, initial=0.0)), name) for name, excess in samples.excesses()]
+    excess, worst = max((np.inf if np.isnan(excess) else excess, name) for excess, name in excesses)
+    return Sampled(samples.times.size, excess, worst)
 
 
 class _Samples:

@@ -189,14 +189,14 @@ def checking(**given: object) -> Callable[[Path], None]:
         }
         case, limits = files.get("case"), files.get("limits")
         units = "rad" if given else None
-        check(path, None if case is None else str(case), units, None if limits is None else [limits], None, 1e-3)
+        check(path, case=None if case is None else str(case), units=units, limits=None if limits is None else [limits])
 
     return read
 
 
 def as_limits(path: Path) -> None:
     """Make `study check waypoints.csv --units rad --limits FILE`."""
-    check(path.with_name("w.csv"), None, "rad", [path], None, 1e-3)
+    check(path.with_name("w.csv"), units="rad", limits=[path])
 
 
 def as_robot(path: Path) -> None:
@@ -205,12 +205,12 @@ def as_robot(path: Path) -> None:
         as_limits(path)
     case = path.with_name("robot.yaml")
     case.write_text(CASE.replace("arm.yaml", path.name).replace("obstacles", "self_collision: true\nobstacles"))
-    check(case, None, None, None, None, 1e-3)
+    check(case)
 
 
 def as_bag(path: Path) -> None:
     """Make `study check BAG --units rad --limits limits.yaml` of a folder."""
-    check(path.parent if path.name == "metadata.yaml" else path, None, "rad", [path.with_name("l.yaml")], None, 1e-3)
+    check(path.parent if path.name == "metadata.yaml" else path, units="rad", limits=[path.with_name("l.yaml")])
 
 
 def as_store(path: Path) -> None:

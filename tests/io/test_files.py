@@ -194,8 +194,12 @@ def test_a_damaged_text_in_a_table_is_one_sentence(tmp_path):
 def test_samples_that_overflow_are_beyond_every_limit(tmp_path):
     path = written(tmp_path, "a.csv", "time,joint 1\n0,0\n1e-300,1e200\n1,1\n2,-1e308\n3,1e308\n")
     problem = Problem("p", np.array([[0.0], [1.0]]), JointLimits(np.ones(1), np.ones(1)))
-    said = breaches(read_samples(path), problem, "a.csv", 0.0)
-    assert [name for name in ("velocity", "acceleration") if any(f"{name} of joint 1 reaches inf" in sentence for sentence in said)]
+    said = breaches(read_samples(path), problem, 0.0, "a.csv")
+    assert [
+        name
+        for name in ("velocity", "acceleration")
+        if any(f"{name} of joint 1 reaches inf" in sentence for sentence in said)
+    ]
     knots = np.array([0.0, 1.0])
     with pytest.raises(StudyError, match="times the waypoints' span away"):
         passages(knots, np.array([[[0.0], [1e308]]]), problem.waypoints)
