@@ -64,10 +64,12 @@ def replacing(path: Path) -> Iterator[Path]:
     """
     target = Path(os.path.realpath(path))  # a link stays a link
     part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    begun = False
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.exists() and not target.is_file():
             raise StudyError(f"cannot write {str(path)!r}: it is no regular file; choose another place")
+        begun = True
         yield part
         with part.open("rb+") as file:
             os.fsync(file.fileno())
@@ -75,6 +77,8 @@ def replacing(path: Path) -> Iterator[Path]:
             shutil.copymode(target, part)
         os.replace(part, target)
     except (OSError, ValueError) as error:
+        if begun and not isinstance(error, OSError):  # a mistake of what is written, not of where
+            raise
         reason = getattr(error, "strerror", None) or error
         raise StudyError(f"cannot write {str(path)!r}: {reason}; choose another place") from None
     finally:

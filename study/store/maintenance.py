@@ -125,9 +125,12 @@ def export_columns(path: Path, target: Path) -> int:
     writers = {".csv": _write_csv, ".parquet": _write_parquet}
     if target.suffix not in writers:
         raise StudyError(f"{target}: results are exported to a file that ends in .csv or .parquet")
-    with reading(path) as connection, replacing(target) as part:  # pyarrow's word for what does not fit is ValueError
-        rows = connection.execute(f"SELECT {', '.join(COLUMNS)} FROM results ORDER BY kind, subject, label, key")  # noqa: S608
-        return writers[target.suffix](iter(lambda: rows.fetchmany(BATCH), []), part)
+    try:
+        with reading(path) as connection, replacing(target) as part:
+            rows = connection.execute(f"SELECT {', '.join(COLUMNS)} FROM results ORDER BY kind, subject, label, key")  # noqa: S608
+            return writers[target.suffix](iter(lambda: rows.fetchmany(BATCH), []), part)
+    except ValueError as error:  # pyarrow says of a value that does not fit that it is invalid
+        raise StudyError(f"cannot write {target}: {error}") from error
 
 
 def _write_csv(batches: Iterator[list[Any]], target: Path) -> int:
