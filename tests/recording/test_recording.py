@@ -262,7 +262,7 @@ def test_errors_are_sentences(woodworking: Case, tmp_path: Path, monkeypatch: py
     with pytest.raises(StudyError, match=r"no results; run the case first"):
         record_case(summarise_case(replace(woodworking, published=()), []), tmp_path / "a.rrd")
     (tmp_path / "file").write_text("")
-    with pytest.raises(StudyError, match=r"cannot be written"):
+    with pytest.raises(StudyError, match=r"cannot write"):
         record_case(summarise_case(woodworking, some_results(woodworking)), tmp_path / "file" / "a.rrd")
     monkeypatch.setenv("RERUN", "off")
     with pytest.raises(StudyError, match=r"unset the environment variable RERUN"):
