@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from study.errors import StudyError
 from study.io.export import write_motion
 from study.io.sampling import Sampling
 from study.judge import Verdict
+from study.path_findings import largest_deviation
 from study.planning import RATE_LIMITS, RunSettings, Status, usual_settings
 from study.problem import Demand, EndCondition, Problem
 from study.registry import planner_about, planner_named, planner_names
@@ -102,7 +104,7 @@ class Planned:
 
     def __repr__(self) -> str:
         end = (
-            f"{self.duration:.6g} s by {self.planner}, feasible"
+            f"{self.duration:.6g} s by {self.planner}, feasible, at most {self.deviation:.4g} from the straight lines"
             if self.feasible
             else f"no feasible motion: {self.reason}"
         )
@@ -145,6 +147,17 @@ class Planned:
     def duration(self) -> float:
         """Total time, s; infinite where there is no feasible motion."""
         return self.verdict.duration if self.feasible else np.inf
+
+    @cached_property
+    def deviation(self) -> float:
+        """Largest distance of any joint from the straight lines between waypoints, rad or m.
+
+        Raises
+        ------
+        StudyError
+            If there is no motion.
+        """
+        return largest_deviation(self.problem, self.motion)
 
     @property
     def reason(self) -> str:

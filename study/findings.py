@@ -29,6 +29,23 @@ class Finding:
 
 
 @dataclass(frozen=True, eq=False)
+class Passed:
+    """A motion and the times at which it passes its waypoints: the first at its start and the last at its end."""
+
+    motion: Motion
+
+    @property
+    def times(self) -> Floats:
+        """Times, shape (n_waypoints,), s, whatever the motion says of the first and the last."""
+        return np.concatenate([[0.0], self.motion.waypoint_times[1:-1], [self.motion.duration]])
+
+    def part(self, segment: int) -> Motion | None:
+        """Part of the motion on a segment, counted from 0; None where it takes no time."""
+        start, stop = self.times[segment : segment + 2]
+        return self.motion.between(start, stop) if 0 <= start < stop <= self.motion.duration else None
+
+
+@dataclass(frozen=True, eq=False)
 class Measured:
     """A motion, measured once for every demand.
 
@@ -67,7 +84,7 @@ class Measured:
 
     def __post_init__(self) -> None:
         motion = self.motion
-        passed = np.concatenate([[0.0], motion.waypoint_times[1:-1], [motion.duration]])
+        passed = Passed(motion).times
         object.__setattr__(self, "passed", passed)
         extrema = [motion.extrema(order) for order in range(4)]
         ratios, times = _uses(self, extrema[1:])
@@ -90,8 +107,7 @@ class Measured:
 
     def part(self, segment: int) -> Motion | None:
         """Part of the motion on a segment, counted from 0; None where it takes no time."""
-        start, stop = self.passed[segment : segment + 2]
-        return self.motion.between(start, stop) if 0 <= start < stop <= self.motion.duration else None
+        return Passed(self.motion).part(segment)
 
     def at(self, joint: int | np.intp) -> str:
         """Name of a joint."""

@@ -13,11 +13,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from study.findings import Finding, Measured
+from study import polynomial
+from study.findings import Finding, Measured, Passed
 from study.problem import Floats, Problem
 from study.rules import Tube
 from study.tolerances import TOLERANCE
-from study.trajectory import Motion
+from study.trajectory import Motion, Trajectory
 
 
 def path_findings(measured: Measured) -> Iterator[Finding]:
@@ -52,6 +53,53 @@ def line_share(problem: Problem, part: Motion, segment: int, radius: Floats) -> 
     """
     matrix, offset = _images(problem.waypoints[segment], problem.waypoints[segment + 1], radius)
     return float(part.mapped(matrix, offset).extrema().highest.max())
+
+
+def largest_deviation(problem: Problem, motion: Motion) -> float:
+    """Radius of the narrowest tube, the same for every joint, around the straight lines that holds a motion, rad or m.
+
+    Parameters
+    ----------
+    problem : Problem
+    motion : Motion
+        Passes the problem's waypoints.
+    """
+    measured = Passed(motion)
+    if not isinstance(motion, Trajectory):
+        parts = ((measured.part(k), k) for k in range(problem.n_segments))
+        ones = np.ones(problem.n_joints)
+        return max((line_share(problem, part, k, ones) for part, k in parts if part is not None), default=0.0)
+    knots = np.union1d(motion.knots, measured.times)
+    knots = np.append(knots[:-1][np.diff(knots) > 1e-12 * motion.duration], motion.duration)
+    middles = 0.5 * (knots[1:] + knots[:-1])
+    piece = np.searchsorted(motion.knots, middles) - 1
+    segment = np.clip(np.searchsorted(measured.times, middles) - 1, 0, problem.n_segments - 1)
+    local = np.moveaxis(motion.coefficients[piece], 1, 2)
+    away = polynomial.shifted(local, (knots[:-1] - motion.knots[piece])[:, None])
+    away = polynomial.stretched(away, np.diff(knots)[:, None])
+    away[..., 0] -= problem.waypoints[segment]
+    step = np.diff(problem.waypoints, axis=0)[segment]
+    away *= np.where(step < 0, -1.0, 1.0)[..., None]
+    largest = 0.0
+    for image in _distances(away, np.abs(step)):
+        largest = max(largest, float(image[..., 0].max()), float(image.sum(axis=-1).max()))
+        highest = image[..., 0] + np.maximum(image[..., 1:], 0.0).sum(axis=-1)
+        if (near := highest > largest).any():
+            largest = max(largest, float(polynomial.extrema(image[near])[2].max()))
+    return largest
+
+
+def _distances(away: Floats, length: Floats) -> Iterator[Floats]:
+    """Images of the way from each line's start, along its signs, whose largest value is the distance from the line."""
+    yield -away
+    beyond = away.copy()
+    beyond[..., 0] -= length
+    yield beyond
+    for shift in range(1, away.shape[1]):
+        other, others = np.roll(away, shift, axis=1), np.roll(length, shift, axis=1)
+        room = length + others
+        share = np.divide(others, room, out=np.zeros_like(room), where=room > 0)[..., None]
+        yield np.where(room[..., None] > 0, share * away - (1 - share) * other, 0.0)
 
 
 def _images(start: Floats, stop: Floats, radius: Floats) -> tuple[Floats, Floats]:

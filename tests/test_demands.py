@@ -1,11 +1,14 @@
 """Every demand of a problem: a motion that just meets it, and one that just does not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from study import EndCondition, JointLimits, Problem, StudyError, Trajectory, judge
 from study.curves import CURVES
 from study.parametric import ParametricTrajectory
+from study.path_findings import largest_deviation
 from study.problem import Demand, State, StraightPath, Timing, Tube
 from study.testing.second_judge import Answer, second_judge
 
@@ -161,6 +164,27 @@ def test_a_tube_holds_the_path_between_the_waypoints():
     assert judged(free, bow).feasible
     tight = Problem("corner", CORNER, JointLimits([10.0, 10.0]), path=Tube([1.0, 0.099]))
     assert judged(tight, bow).reasons == ("leaves the tube between waypoints 1 and 2: 1.0101 of its radius",)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("curve", ["cubic-spline", "bspline"])
+def test_the_largest_deviation_is_the_radius_of_the_narrowest_tube(seed, curve):
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(5, 3))
+    points[1, 0], points[2:4, 1] = points[0, 0], points[2, 1]  # a joint that stands still for a segment
+    motion = CURVES[curve].motion(points, rng.uniform(0.5, 1.5, 4))
+    points = motion(motion.waypoint_times)
+    problem = Problem("p", points, JointLimits([1e3] * 3))
+    radius = largest_deviation(problem, motion)
+    tubes = [replace(problem, path=Tube(radius * share)) for share in (1 - 1e-5, 1 + 1e-5)]
+    narrow, wide = (judge(tube, motion).reasons for tube in tubes)
+    assert any("leaves the tube" in reason for reason in narrow)
+    assert not any("leaves the tube" in reason for reason in wide)
+
+
+def test_straight_motions_deviate_by_nothing_and_a_blend_by_its_distance():
+    assert largest_deviation(corner(), STOPPING) < 1e-15
+    assert largest_deviation(corner(), blended(0.2)) == pytest.approx(0.05)
 
 
 def diagonal(bow):

@@ -26,6 +26,7 @@ from study.io.recordings import holds_samples, read_samples
 from study.io.sampled import Interpolation, breaches, joined
 from study.io.samples import Samples
 from study.judge import judge
+from study.path_findings import largest_deviation
 from study.registry import planner_about
 from study.trajectory import Motion, Trajectory
 
@@ -168,7 +169,10 @@ def report_verdict(
     verdict, clearance = judge(case.problem, motion), nearest(case, motion)
     allowed = judge(with_room(case.problem, room), motion) if room else verdict
     good = may_be_driven(allowed, clearance)
-    console.print(terminal.card(case, verdict, good, clearance, facts or {}))
+    off = (
+        f"at most {largest_deviation(case.problem, motion):.4g} from the straight lines between waypoints, in any joint"
+    )
+    console.print(terminal.card(case, verdict, good, clearance, {"path": off, **(facts or {})}))
     for reason in () if allowed.feasible else verdict.reasons:
         console.print(f"infeasible: {reason}", style="red")
     if clearance is not None and not clearance.clear:
