@@ -24,7 +24,8 @@ def pictures(
     readme: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="Also put the answer for all cases between the marks `<!-- answer -->` of this file."
+            metavar="FILE",
+            help="Also put the answer and the table of papers between the marks `<!-- answer -->` and `<!-- papers -->` of this file.",
         ),
     ] = None,
     out: Out = DEFAULT_OUT,
@@ -46,10 +47,12 @@ def pictures(
         small,
         write_pictures,
     )
-    from study.report.readme import answer_in_markdown, put_answer
+    from study.report.readme import answer_in_markdown, put
+    from study.reproduction.papers_table import papers_in_markdown
 
     if readme is not None:
-        put_answer(readme, answer_in_markdown(list(summaries.values())))
+        put(readme, answer_in_markdown(list(summaries.values())))
+        put(readme, papers_in_markdown(), "papers")
     contents = pictures_of(summaries[case], joint - 1)
     recording = record_case(summaries[case], recording_file(out, case))
     contents["viewer.png"] = small(picture(recording, midway(summaries[case])))

@@ -15,7 +15,6 @@ from study.errors import StudyError
 from study.files import write_file
 from study.io.text import read_text
 
-BEGIN, END = "<!-- answer -->", "<!-- /answer -->"
 ON_CURVE, OFF_CURVE = ("published", *SEARCHES, "optimiser"), ("optimiser", "fixed", "free")
 
 
@@ -69,16 +68,16 @@ def _time(method: MethodSummary | None, reference: MethodSummary | None) -> str:
     return f"{seconds(method.duration)}{name} ({percent(method.median / reference.median - 1.0)})"
 
 
-def put_answer(path: Path, text: str) -> None:
-    """Replace what stands between the marks `<!-- answer -->` and `<!-- /answer -->` of a file.
+def put(path: Path, text: str, name: str = "answer") -> None:
+    """Replace what stands between the marks `<!-- NAME -->` and `<!-- /NAME -->` of a file.
 
     Raises
     ------
     StudyError
         If the file cannot be read or written, or does not hold the two marks.
     """
-    old = read_text(path)
-    if old.count(BEGIN) != 1 or old.count(END) != 1 or old.index(BEGIN) > old.index(END):
-        raise StudyError(f"{str(path)!r} needs the marks {BEGIN} and {END} once each, in this order")
-    before, after = old[: old.index(BEGIN)], old[old.index(END) :]
-    write_file(path, f"{before}{BEGIN}\n{text}\n{after}")
+    begin, end, old = f"<!-- {name} -->", f"<!-- /{name} -->", read_text(path)
+    if old.count(begin) != 1 or old.count(end) != 1 or old.index(begin) > old.index(end):
+        raise StudyError(f"{str(path)!r} needs the marks {begin} and {end} once each, in this order")
+    before, after = old[: old.index(begin)], old[old.index(end) :]
+    write_file(path, f"{before}{begin}\n{text}\n{after}")

@@ -18,7 +18,7 @@ from study.cases.ledger import data_folder
 from study.cases.library import load_case
 from study.errors import StudyError
 from study.report.pictures import pictures_of, standalone, write_pictures
-from study.report.readme import answer_in_markdown, put_answer
+from study.report.readme import answer_in_markdown, put
 from study.runs.execute import CellJob
 from study.runs.lineup import Budget, make_cells, parse_specs
 from tests.helpers.viewer import can_draw
@@ -128,7 +128,7 @@ def test_the_answer_goes_between_the_marks_and_says_what_the_judge_says(tmp_path
     readme = tmp_path / "README.md"
     readme.write_text("before\n<!-- answer -->\nold\n<!-- /answer -->\nafter\n", encoding="utf-8")
     for _ in range(2):  # the second time changes nothing
-        put_answer(readme, text)
+        put(readme, text)
         assert readme.read_text(encoding="utf-8") == f"before\n<!-- answer -->\n{text}\n<!-- /answer -->\nafter\n"
 
 
@@ -137,5 +137,5 @@ def test_a_file_without_the_marks_is_left_alone(text: str, tmp_path: Path) -> No
     readme = tmp_path / "README.md"
     readme.write_text(text, encoding="utf-8")
     with pytest.raises(StudyError, match="needs the marks"):
-        put_answer(readme, "new")
+        put(readme, "new")
     assert readme.read_text(encoding="utf-8") == text
