@@ -10,7 +10,7 @@ from study.cases.library import Case
 from study.errors import StudyError, unknown
 from study.planning import Formulation, Freedom, RunSettings, Synchronisation
 from study.registry import method_named, method_names, unavailable_planners
-from study.runs.selections import HEADLINE_SEARCHES
+from study.runs.selections import HEADLINE_SEARCHES, MODERN_SEARCHES
 from study.store.results import Cell
 
 OPTIONS = (*Formulation, *Synchronisation)
@@ -112,6 +112,8 @@ def parse_specs(text: str) -> tuple[Spec, ...]:
 def default_lineup(names: Iterable[str] | None = None) -> tuple[Spec, ...]:
     """Every headline search as the papers run it and once more `scaled,shared`, every deterministic planner, and every bound.
 
+    Modern references run `scaled,shared` alone: the papers' penalty and their rule for the joints are not theirs.
+
     Deterministic planners share durations between the joints; those on the paper's curve run once more joint by joint where
     the paper does, so that the price of that rule can be told from the price of the search.
 
@@ -124,7 +126,7 @@ def default_lineup(names: Iterable[str] | None = None) -> tuple[Spec, ...]:
     """
     installed = _available()
     searches = [name for name in (HEADLINE_SEARCHES if names is None else names) if name in installed]
-    papers_way = [Spec(name) for name in searches]
+    papers_way = [Spec(name) for name in searches if name not in MODERN_SEARCHES]
     scaled = [Spec(name, "scaled", "shared") for name in searches if method_named(name).freedom is Freedom.CURVE]
     plain = [name for name in installed if not is_stochastic(method_named(name))]
     rule = [Spec(name, synchronisation=AS_IN_PAPER) for name in plain if method_named(name).freedom is Freedom.CURVE]

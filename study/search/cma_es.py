@@ -58,7 +58,7 @@ class CMAES:
         Raises
         ------
         StudyError
-            If the package is not installed, the box has one dimension, or the population is too small.
+            If the box has one dimension, or the population is too small.
         """
         if self.own_population:
             budget, population = population * generations, 4 + int(3 * math.log(len(box.lower)))
@@ -87,12 +87,8 @@ class CMAES:
         return state.told(values, optimiser=optimiser)
 
     def _optimiser(self, mean: Floats, population: int, rng: np.random.Generator) -> Any:
-        try:
-            from cmaes import CMA
-        except ModuleNotFoundError:
-            raise StudyError(
-                "CMA-ES needs the Python package 'cmaes'; install it with pip, alone or as the extra 'peers'"
-            ) from None
+        from cmaes import CMA  # here: only this search needs it
+
         bounds = np.tile([0.0, 1.0], (len(mean), 1))
         seed = int(rng.integers(2**31))
         return CMA(mean=mean, sigma=self.sigma, bounds=bounds, seed=seed, population_size=population)
