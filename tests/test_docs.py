@@ -22,7 +22,7 @@ from tests.conftest import run_here
 ROOT = Path(__file__).parents[1]
 PAGES = sorted((ROOT / "docs" / "pages").glob("*.md"))
 BLOCK = re.compile(r"(?:<!-- exit: (\d) -->\n)?```(\w+)(?: title=\"([^\"]+)\")?\n(.*?)```", re.DOTALL)
-OPTIONAL = ("pymoo", "mealpy", "cmaes", "nevergrad")
+OPTIONAL = ("pymoo", "mealpy", "nevergrad")
 RUN, WRITTEN = ("sh", "python"), ("yaml", "csv", "toml", "python")
 QUIET = "-m pip install --quiet --no-index --no-deps --no-build-isolation --disable-pip-version-check --target"
 

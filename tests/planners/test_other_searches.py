@@ -54,8 +54,6 @@ def optimum_total():
 @pytest.mark.parametrize("name", PLANNERS)
 @pytest.mark.parametrize("synchronisation", ["shared", "per-joint"])
 def test_every_planner_keeps_the_contract(name, synchronisation):
-    if "CMA" in name:
-        pytest.importorskip("cmaes", reason="the peer package cmaes is not installed")
     planner = PLANNERS[name]
     settings = RunSettings(
         "cubic-spline", seed=3, evaluations=150, population=20, formulation="scaled", synchronisation=synchronisation
@@ -89,8 +87,6 @@ def test_planners_that_call_themselves_deterministic_are(planner):
 
 @pytest.mark.parametrize("name", ["LBFGSB_PLANNER", "SCIPY_DE", "CMA_ES"])
 def test_strong_searches_reach_the_reference(name):
-    if name == "CMA_ES":
-        pytest.importorskip("cmaes", reason="the peer package cmaes is not installed")
     planner = getattr(other_searches, name)
     settings = RunSettings("cubic-spline", evaluations=6000, population=30, formulation="scaled")
     total = planner.plan(PROBLEM, settings).durations.sum()

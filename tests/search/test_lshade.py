@@ -112,7 +112,6 @@ def test_own_populations_follow_their_algorithms_rules():
     wide = Box(np.zeros(19), np.ones(19))
     rng = np.random.default_rng(0)
     assert LSHADE(own_population=True).init(wide, 24, 333, rng).candidates.shape == (18 * 19, 19)
-    pytest.importorskip("cmaes", reason="the peer package cmaes is not installed")
     state = CMAES(own_population=True).init(wide, 24, 333, rng)
     assert state.candidates.shape == (4 + 8, 19)  # 3 ln 19 = 8.8
     assert state.generations == 24 * 333 // 12
@@ -120,8 +119,6 @@ def test_own_populations_follow_their_algorithms_rules():
 
 @pytest.mark.parametrize("search", [LSHADE(own_population=True), CMAES(own_population=True)])
 def test_own_populations_spend_the_same_budget(search):
-    if isinstance(search, CMAES):
-        pytest.importorskip("cmaes", reason="the peer package cmaes is not installed")
     meter = Meter(valley, 777)
     minimise(search, meter, BOX, 30, np.random.default_rng(1))
     assert meter.evaluations == 777

@@ -59,8 +59,6 @@ def run(search, seed=0, budget=3000, objective=bowl):
 
 @pytest.mark.parametrize("name", SEARCHES)
 def test_stays_in_the_box_and_spends_exactly_its_budget(name):
-    if name == "cma-es":
-        pytest.importorskip("cmaes", reason="the peer package cmaes is not installed")
     seen = []
     meter = run(SEARCHES[name], budget=1007, objective=lambda x: seen.append(x) or bowl(x))
     points = np.concatenate(seen)
@@ -71,8 +69,6 @@ def test_stays_in_the_box_and_spends_exactly_its_budget(name):
 
 @pytest.mark.parametrize("name", SEARCHES)
 def test_same_seed_gives_the_same_bytes_and_another_seed_others(name):
-    if name == "cma-es":
-        pytest.importorskip("cmaes", reason="the peer package cmaes is not installed")
     first, again, other = (run(SEARCHES[name], seed, 900) for seed in (3, 3, 4))
     assert first.history.tobytes() == again.history.tobytes()
     assert first.incumbent.tobytes() == again.incumbent.tobytes()
@@ -81,8 +77,6 @@ def test_same_seed_gives_the_same_bytes_and_another_seed_others(name):
 
 @pytest.mark.parametrize("name", SEARCHES)
 def test_beats_random_search_on_a_bowl_off_the_origin_and_off_the_diagonal(name):
-    if name == "cma-es":
-        pytest.importorskip("cmaes", reason="the peer package cmaes is not installed")
     if name == "tadf-ssa-as-printed":
         pytest.skip("its steps have one sign, so it stalls; see test_ssa.py")
     ours = np.median([run(SEARCHES[name], seed).incumbent_value for seed in range(7)])
@@ -165,7 +159,6 @@ def test_kept_better_and_replaced():
 
 
 def test_cma_es_leaves_its_states_unchanged():
-    pytest.importorskip("cmaes", reason="the peer package cmaes is not installed")
     search, rng = CMAES(), np.random.default_rng(4)
     state = search.init(BOX, 8, 5, rng)
     told = search.tell(state, bowl(state.candidates), rng)
