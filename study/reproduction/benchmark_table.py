@@ -107,6 +107,11 @@ class BenchmarkTable:
         """Our runs of a column's stated reading on a function."""
         return self.runs[self.stated(function, column)]
 
+    def printed_means(self, function: str) -> dict[str, float]:
+        """Printed means of a function by column."""
+        row = next(cell.row for cell in self.table.cells if _is_mean(cell.row, function))
+        return {column: self.table.value(row, column) for column in self.table.columns}
+
     def rulings(self) -> Rulings:
         """Rule on every cell of every function, and on the least values that Table 2 prints."""
         gathered = self._optima()
@@ -190,6 +195,11 @@ class Tally:
     reproduced: int
     same_order: int
     cells: int
+
+
+def _is_mean(row: str, function: str) -> bool:
+    label, _, head = row.partition(", ")
+    return label == function and ROLES.get(head) is Statistic.MEAN
 
 
 def _denied(finding: Finding | None) -> Ruling | None:

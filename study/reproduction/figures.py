@@ -16,7 +16,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from study.report.figures import svg
 from study.report.plot_style import DASHES, GRID, INK, MUTED, RC, SERIES
 from study.reproduction.paper import Panel
-from study.reproduction.uniformity import NUMBERS, chaos_numbers, chi_squares
+from study.reproduction.uniformity import chaos_numbers, chi_squares
 from study.search.chaos import N_BINS
 
 LEAST = 1e-300
@@ -34,13 +34,14 @@ def panels(key: str, shown: Sequence[Panel], columns: int, title: str) -> Markup
     key : str
         Prefix of the figure's ids.
     shown : sequence of Panel
-        All with the same labels; those on linear axes show printed values and the optimum as horizontal lines.
+        All with the same labels, on the papers' linear axis of generations; printed values and the optimum are
+        horizontal lines.
     columns : int
     title : str
     """
     rows = math.ceil(len(shown) / columns)
     with mpl.rc_context(RC):
-        figure = _figure(1040 if columns > 1 else 620, 60 + 210 * rows)
+        figure = _figure(1040 if columns > 1 else 620, 60 + (250 if columns < 3 else 210) * rows)
         for k, panel in enumerate(shown, start=1):
             axes = figure.add_subplot(rows, columns, k)
             _panel(axes, panel)
@@ -62,7 +63,7 @@ def _panel(axes: Axes, panel: Panel) -> None:
         heights = np.maximum(values, LEAST) if panel.logarithmic else np.asarray(values)
         look = {"color": SERIES[style % len(SERIES)], "linestyle": DASHES[style % len(DASHES)]}
         axes.plot(generations, heights, linewidth=1.6, **look)
-        if label in panel.marks:
+        if label in panel.marks and (panel.marks[label] > LEAST or not panel.logarithmic):
             axes.axhline(panel.marks[label], color=look["color"], linestyle=(0, (2, 3)), linewidth=1.1)
     if panel.logarithmic:
         _logarithmic(axes, panel)
@@ -71,9 +72,8 @@ def _panel(axes: Axes, panel: Panel) -> None:
 
 
 def _logarithmic(axes: Axes, panel: Panel) -> None:
-    """Scale both axes for values that span orders of magnitude."""
-    axes.set_xscale("log")
-    _plain_ticks(axes.xaxis)
+    """Scale the upright axis for values that span orders of magnitude."""
+    axes.set_xlim(left=0)
     if all(np.min(values) > 0 or np.max(values) >= 0 for _, values in panel.lines.values()):
         axes.set_yscale("log")
         axes.yaxis.set_major_locator(LogLocator(numticks=6))
@@ -102,24 +102,34 @@ def _plain_ticks(axis: Axis) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def histograms(key: str, names: Sequence[str]) -> Markup:
-    """Plot how often 1000 numbers of each map fall into ten bins, with the median chi-square over many starts."""
+def histograms(key: str, names: Sequence[str], numbers: int) -> Markup:
+    """Plot how often the numbers of one start of each map fall into ten bins, with the median chi-square over many starts.
+
+    Parameters
+    ----------
+    key : str
+        Prefix of the figure's ids.
+    names : sequence of str
+        Maps.
+    numbers : int
+        Numbers drawn, as many as the paper shows.
+    """
     with mpl.rc_context(RC):
         figure = _figure(1040, 250)
         edges = np.linspace(0.0, 1.0, N_BINS + 1)
         for k, name in enumerate(names, start=1):
             axes = figure.add_subplot(1, len(names), k)
-            counts, _ = np.histogram(chaos_numbers(name)[:, 0], bins=edges)
+            counts, _ = np.histogram(chaos_numbers(name)[:numbers, 0], bins=edges)
             axes.bar(edges[:-1], counts, width=0.92 / N_BINS, align="edge", color=SERIES[0], alpha=0.85)
-            axes.axhline(NUMBERS / N_BINS, color=INK, linewidth=1.2)
+            axes.axhline(numbers / N_BINS, color=INK, linewidth=1.2)
             axes.tick_params(length=0)
-            axes.set_title(f"{name}: χ² = {np.median(chi_squares(name)):.1f}", loc="left")
-        described = ", ".join(f"{name} {np.median(chi_squares(name)):.1f}" for name in names)
+            axes.set_title(f"{name}: χ² = {np.median(chi_squares(name, numbers)):.1f}", loc="left")
+        described = ", ".join(f"{name} {np.median(chi_squares(name, numbers)):.1f}" for name in names)
         return svg(
             figure,
             key,
             "Histograms of the maps",
-            f"Counts of {NUMBERS} numbers in ten bins; median chi-square over starts: {described}.",
+            f"Counts of {numbers} numbers in ten bins; median chi-square over starts: {described}.",
         )
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from study.cases.ledger import ledger
 from study.cases.library import load_case
@@ -80,6 +81,7 @@ def write_paper(
     """
     counts = counts_of(entries)
     known = paper_of(paper)
+    prose = [entry for entry in entries if entry.place.table == CLAIM]
     context = {
         "title": title_of(paper),
         "citation": papers()[paper],
@@ -89,7 +91,8 @@ def write_paper(
         "counts": counts,
         "slug": paper,
         "shown": [shown_table(table, entries) for table in tables(paper).values()],
-        "prose": [entry for entry in entries if entry.place.table == CLAIM],
+        "prose": [entry for entry in prose if entry.ruling.outcome is not Outcome.USED],
+        "inputs": [entry for entry in prose if entry.ruling.outcome is Outcome.USED],
         "drawn": list(_drawn(paper, runs, effort)),
         "tallies": BenchmarkTable(paper, effort, runs).tallies() if paper in READINGS else [],
         "notes": _reading_notes(paper),
@@ -146,9 +149,10 @@ def _drawn(paper: str, runs: Runs, effort: Effort) -> Iterable[Drawn]:
     if paper in READINGS:
         yield _benchmarks(BenchmarkTable(paper, effort, runs))
     shown = own.panels()
-    picture = figures.panels("descents", shown, min(3, len(shown)), "Convergence on the arm")
+    columns = 2 if len(shown) % 3 == 1 and len(shown) > 1 else min(3, len(shown))
+    picture = figures.panels("descents", shown, columns, "Convergence on the arm")
     caption = (
-        "Best total time so far in s, median over seeds. Dashed: what the paper prints, in its method's "
+        "Best total time so far in s, median over seeds. Dotted: what the paper prints, in its method's "
         "colour. Grey: the optimum on the same curve."
     )
     yield Drawn("Convergence on the arm", list(shown[0].lines), [("", picture)], caption)
@@ -156,21 +160,26 @@ def _drawn(paper: str, runs: Runs, effort: Effort) -> Iterable[Drawn]:
         yield _profiles(f"drive-{number}", drive)
     if own.maps:
         caption = (
-            "1000 numbers of one start in ten bins; the line is the expected count. χ²: median over "
+            f"{own.map_numbers} numbers of one start in ten bins; the line is the expected count. χ²: median over "
             f"{CHAOS_STARTS} starts; above 16.9 uniformity is rejected at 5 %."
         )
-        yield Drawn("Uniformity of the chaotic maps", (), [("", figures.histograms("maps", own.maps))], caption)
+        picture = figures.histograms("maps", own.maps, own.map_numbers)
+        yield Drawn("Uniformity of the chaotic maps", (), [("", picture)], caption)
 
 
 def _benchmarks(table: BenchmarkTable) -> Drawn:
     columns = table.table.columns
-    shown = [Panel(f, {c: line_of(table.record(f, c)) for c in columns}, logarithmic=True) for f in table.functions]
+    shown = [
+        Panel(f, {c: line_of(table.record(f, c)) for c in columns}, logarithmic=True, marks=table.printed_means(f))
+        for f in table.functions
+    ]
     picture = figures.panels("benchmarks", shown, 4, "Convergence on the benchmark functions")
     return Drawn(
         "Benchmark functions",
         columns,
         [("", picture)],
-        "Best value so far, median over seeds; zero is drawn at 1e-300.",
+        "Best value so far, median over seeds; zero is drawn at 1e-300. Dotted: the printed mean, in its column's "
+        "colour; a printed zero has no line.",
     )
 
 
@@ -189,4 +198,12 @@ def _profiles(key: str, drive: Drive) -> Drawn:
 
 def _render(template: str, context: Mapping[str, object]) -> str:
     rules = {"rules": RULES, "bases": BASES, "convergence": CONVERGENCE, "tags": TAGS}
-    return render(template, {**rules, **context}, package="study.reproduction")
+    return render(template, {**rules, **context}, package="study.reproduction", filters={"powers": powers})
+
+
+def powers(text: str) -> Markup:
+    """Printed or our number with its power of ten raised, as papers set it."""
+    raised = re.sub(
+        r" ?x 10\^(-?)(\d+)", lambda m: f" × 10<sup>{m[1].replace('-', '−')}{m[2]}</sup>", str(escape(text))
+    )
+    return Markup(raised)  # noqa: S704 - escaped first

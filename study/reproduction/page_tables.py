@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from study.cases.printed import Table
@@ -49,8 +49,9 @@ class ShownTable:
         Above the cells: the printed columns, or the printed rows of a table that is turned.
     lines : sequence of (head, entries)
     turned : bool
-    usual : Entry
-        An entry with the table's most frequent verdict, which cells do not repeat.
+    usual : mapping of str to Entry
+        By printed column an entry with the verdict of most of its cells, which these do not repeat; columns without such
+        a verdict are left out.
     reasons : sequence of Reason
     others : sequence of Entry
         With our numbers under other readings.
@@ -61,13 +62,21 @@ class ShownTable:
     heads: Sequence[str]
     lines: Sequence[tuple[str, Sequence[Entry]]]
     turned: bool
-    usual: Entry
+    usual: Mapping[str, Entry]
     reasons: Sequence[Reason]
     others: Sequence[Entry]
 
+    @property
+    def everywhere(self) -> Entry | None:
+        """An entry with the verdict that all columns share as their usual one; None where they differ."""
+        kinds = {_kind(entry) for entry in self.usual.values()}
+        alike = len(kinds) == 1 and set(self.usual) == set(self.table.columns)
+        return next(iter(self.usual.values())) if alike else None
+
     def marked(self, entry: Entry) -> bool:
-        """Whether an entry's verdict is not the table's usual one."""
-        return _kind(entry) != _kind(self.usual)
+        """Whether an entry's verdict is not its column's usual one."""
+        usual = self.usual.get(entry.place.column)
+        return usual is None or _kind(entry) != _kind(usual)
 
 
 def shown_table(table: Table, entries: Sequence[Entry]) -> ShownTable:
@@ -84,10 +93,16 @@ def shown_table(table: Table, entries: Sequence[Entry]) -> ShownTable:
     turned = len(table.columns) >= WIDE and len(rows) < len(table.columns)
     heads, fronts = (rows, list(table.columns)) if turned else (list(table.columns), rows)
     by_front = [(front, [e for e in own if front == (e.place.column if turned else e.place.row)]) for front in fronts]
-    usual, _ = Counter(_kind(entry) for entry in own).most_common(1)[0]
-    first = next(entry for entry in own if _kind(entry) == usual)
+    columns = {column: [entry for entry in own if entry.place.column == column] for column in table.columns}
+    usual = {column: entry for column, cells in columns.items() if (entry := _usual(cells)) is not None}
     slug = table.number.lower().replace(" ", "-")
-    return ShownTable(table, slug, heads, by_front, turned, first, reasons(own), [e for e in own if e.ruling.others])
+    return ShownTable(table, slug, heads, by_front, turned, usual, reasons(own), [e for e in own if e.ruling.others])
+
+
+def _usual(entries: Sequence[Entry]) -> Entry | None:
+    """First entry with the verdict of more than half of several; None where no verdict has so many."""
+    kind, most = Counter(map(_kind, entries)).most_common(1)[0]
+    return next(entry for entry in entries if _kind(entry) == kind) if 2 * most > len(entries) else None
 
 
 def reasons(entries: Iterable[Entry]) -> list[Reason]:

@@ -65,6 +65,7 @@ class Paper(Protocol):
     key: ClassVar[str]
     short: ClassVar[str]
     maps: ClassVar[tuple[str, ...]]
+    map_numbers: ClassVar[int]
 
     def __init__(self, effort: Effort, runs: Runs) -> None:
         """Take the effort, and the records of the jobs; none are needed to name the jobs."""
@@ -97,6 +98,7 @@ class PaperRuns:
     key: ClassVar[str]
     short: ClassVar[str]
     maps: ClassVar[tuple[str, ...]] = ()
+    map_numbers: ClassVar[int] = 1000
 
     @property
     def tables(self) -> dict[str, Table]:

@@ -199,8 +199,10 @@ def reduction(text: str, before: Sequence[float], after: Sequence[float], agains
     agrees = abs(ours - value_of(text)) <= POINTS and not (against and not smaller(after, before)[0])
     outcome = Outcome.REPRODUCED if agrees else Outcome.BETTER if ours > value_of(text) else Outcome.WORSE
     tested = f"; rank-sum test p = {rank_sum(after, before):.2g}" if against else ""
-    why = f"by the medians of our runs, {np.median(before):.4f} and {np.median(after):.4f} s{tested}"
-    return Ruling(outcome, f"{ours:.2f} %", why, agrees)
+    low, high = np.quantile(100 * (1 - np.asarray(after) / float(np.median(before))), (0.05, 0.95))
+    spread = f"{low:.2f} to {high:.2f} %"
+    medians = f"by the medians of our runs, {np.median(before):.4f} and {np.median(after):.4f} s"
+    return Ruling(outcome, f"{ours:.2f} %", f"{medians}; middle 90 % {spread}{tested}", agrees, spread=spread)
 
 
 def count(text: str, levels: Mapping[str, float], late: Sequence[str] = ()) -> Ruling:

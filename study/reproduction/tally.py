@@ -11,6 +11,7 @@ from study.reproduction.book import Entry
 from study.reproduction.verdicts import CANNOT_STAND, CLAIM, Basis, Outcome
 
 AGREEING = (Outcome.REPRODUCED, Outcome.CONSISTENT)
+OPEN = (Outcome.UNDECIDED, Outcome.NOT_REPRODUCIBLE)
 Counts = Mapping[Basis, Mapping[Outcome, int]]
 
 
@@ -70,6 +71,32 @@ class Decided:
 
     claim: str
     entries: Sequence[Entry]
+
+    @property
+    def failing(self) -> Entry | None:
+        """First of the tests that speak against the claim; None where none does."""
+        against = (entry for entry in self.entries if entry.ruling.outcome not in (*AGREEING, *OPEN))
+        return next(against, None)
+
+    @property
+    def fate(self) -> str:
+        """Tell in a few words what became of the claim, what its tests rest on and how many tell nothing."""
+        agreeing = [entry for entry in self.entries if entry.ruling.outcome in AGREEING]
+        untold = Counter(entry.ruling.outcome for entry in self.entries if entry.ruling.outcome in OPEN)
+        told = len(self.entries) - untold.total()
+        if not told:
+            said = "is open"
+        elif len(agreeing) == told:
+            said = "stands"
+        else:
+            said = f"stands in part, by {len(agreeing)} of {told} tests" if agreeing else "does not stand"
+        bases = {entry.ruling.basis for entry in agreeing}
+        parts = [
+            "by calculation alone, no run stands behind it" * (bool(bases) and not bases & {Basis.RUNS, Basis.FITTED}),
+            "with constants fitted to the same table" * (Basis.FITTED in bases),
+            *(f"{number} {outcome}" for outcome, number in untold.items()),
+        ]
+        return "; ".join([said, *filter(None, parts)])
 
 
 def decided(paper: str, entries: Sequence[Entry]) -> list[Decided]:

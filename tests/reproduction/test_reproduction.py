@@ -4,6 +4,7 @@ import csv
 import re
 import zlib
 from concurrent.futures import ThreadPoolExecutor
+from html import unescape
 from html.parser import HTMLParser
 
 import numpy as np
@@ -21,7 +22,7 @@ from study.judge import judge
 from study.planning import Meter
 from study.reproduction import page
 from study.reproduction.benchmark_runs import BenchmarkJob, thinned
-from study.reproduction.book import PAPERS, entries_of, jobs_of, paper_named
+from study.reproduction.book import PAPERS, Entry, entries_of, jobs_of, paper_named
 from study.reproduction.cells import write_cells
 from study.reproduction.convergence import LEVELS, arrived_at, late, levels, settled, settled_at
 from study.reproduction.effort import FULL, Effort
@@ -30,10 +31,10 @@ from study.reproduction.jobs import Runs
 from study.reproduction.kinematics_runs import BRANCH, KinematicsJob, nearest
 from study.reproduction.motion_runs import MotionJob, OptimumJob, motion_of
 from study.reproduction.page import write_index, write_paper
-from study.reproduction.page_tables import named
+from study.reproduction.page_tables import named, shown_table
 from study.reproduction.path_runs import attempts
-from study.reproduction.tally import AGREEING, counts_of, decided, sentences
-from study.reproduction.verdicts import BY_RUNS, CANNOT_STAND, CLAIM, IN_PRINT, Basis, Outcome
+from study.reproduction.tally import AGREEING, OPEN, Decided, counts_of, decided, sentences
+from study.reproduction.verdicts import BY_RUNS, CANNOT_STAND, CLAIM, IN_PRINT, Basis, Outcome, Ruling, claim
 from study.robots import inverse, robot_named
 from study.robots.helix import helix_configurations
 from study.runs.runner import run_jobs
@@ -79,6 +80,8 @@ class Page(HTMLParser):
             self.inside = attributes.get("scope")
             if self.here and self.inside:
                 self.here[self.inside].append("")
+        elif tag == "br":  # below a head stands its usual verdict
+            self.inside = None
         elif tag == "span" and attributes.get("class") == "p" and self.here:
             self.inside = "cell"
             self.here["cell"].append("")
@@ -92,6 +95,16 @@ class Page(HTMLParser):
     def handle_endtag(self, tag):
         if tag in ("h2", "th", "span"):
             self.inside = None
+
+
+def shown(text):
+    """Text of a printed number on a page."""
+    return unescape(re.sub("<[^>]*>", "", page.powers(text)))
+
+
+def test_powers_of_ten_are_raised_and_text_is_escaped():
+    assert page.powers("6.4918 x 10^-190 <b>") == "6.4918 × 10<sup>−190</sup> &lt;b&gt;"
+    assert page.powers("1.19 x 10^0 to 1.34 x 10^1") == "1.19 × 10<sup>0</sup> to 1.34 × 10<sup>1</sup>"
 
 
 def test_all_five_papers_are_there():
@@ -131,10 +144,10 @@ def test_every_row_and_column_of_every_table_stands_on_the_page(reproduced, tmp_
     assert set(parsed.found) == set(tables(paper))
     for number, table in tables(paper).items():
         rows, columns = list(dict.fromkeys(c.row for c in table.cells)), list(table.columns)
-        cells = [c.printed for c in table.cells]
+        cells = [shown(c.printed) for c in table.cells]
         if number in parsed.turned:
             rows, columns = columns, rows
-            cells = [table[row, column].printed for column in rows for row in columns]
+            cells = [shown(table[row, column].printed) for column in rows for row in columns]
         assert parsed.found[number] == {"row": rows, "col": ["", *columns], "cell": cells}
     for identity in claims(paper):
         assert f'id="{identity}"' in text
@@ -193,6 +206,42 @@ def test_every_main_claim_stands_with_what_became_of_it(reproduced, paper):
     entries, _ = reproduced[paper]
     for main in decided(paper, entries):
         assert main.entries, main.claim
+        against = [e for e in main.entries if e.ruling.outcome not in (*AGREEING, *OPEN)]
+        assert main.failing is (against[0] if against else None)
+        assert main.fate.startswith("stands") == any(e.ruling.outcome in AGREEING for e in main.entries), main.claim
+
+
+@pytest.mark.parametrize(
+    ("rulings", "fate"),
+    [
+        ([(Outcome.REPRODUCED, Basis.RUNS)], "stands"),
+        ([(Outcome.CONSISTENT, Basis.PRINT)], "stands; by calculation alone, no run stands behind it"),
+        (
+            [(Outcome.REPRODUCED, Basis.FITTED), (Outcome.WORSE, Basis.RUNS), (Outcome.UNDECIDED, Basis.RUNS)],
+            "stands in part, by 1 of 2 tests; with constants fitted to the same table; 1 undecided",
+        ),
+        ([(Outcome.NOT_CONFIRMED, Basis.RUNS)], "does not stand"),
+        ([(Outcome.NOT_REPRODUCIBLE, Basis.NOTHING)], "is open; 1 cannot be reproduced"),
+    ],
+)
+def test_the_fate_of_a_claim_is_said_in_one_line(rulings, fate):
+    entries = [
+        Entry("p", claim("c"), "Section 1", "a claim", "claim", "1", Ruling(outcome, basis=basis))
+        for outcome, basis in rulings
+    ]
+    assert Decided("the claim", entries).fate == fate
+
+
+def test_a_verdict_of_most_cells_of_a_column_stands_in_its_head_only(reproduced):
+    entries, _ = reproduced["ur5-tadf-ssa"]
+    uniform = shown_table(tables("ur5-tadf-ssa")["Table 3"], entries)
+    assert uniform.everywhere.ruling.outcome is Outcome.CONSISTENT
+    mixed = shown_table(tables("ur5-tadf-ssa")["Table 5"], entries)
+    for column in mixed.table.columns:
+        outcomes = [e.ruling.outcome for e in entries if (e.place.table, e.place.column) == ("Table 5", column)]
+        marked = [mixed.marked(e) for e in entries if (e.place.table, e.place.column) == ("Table 5", column)]
+        assert all(marked) == (column not in mixed.usual)
+        assert (column in mixed.usual) == any(2 * outcomes.count(outcome) > len(outcomes) for outcome in outcomes)
 
 
 def test_segments_of_durations_carry_no_verdict_of_their_own(reproduced):

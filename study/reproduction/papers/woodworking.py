@@ -47,6 +47,7 @@ class Woodworking(PaperRuns):
     key: ClassVar[str] = "woodworking-golds-pso"
     short: ClassVar[str] = "woodworking"
     maps: ClassVar[tuple[str, ...]] = ("uniform", "circle")
+    map_numbers: ClassVar[int] = 100  # Figure 6
 
     def motion(self, algorithm: str, joint: int, reading: str = "") -> MotionJob:
         """Job of one row of Table 5."""
