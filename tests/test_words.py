@@ -8,12 +8,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-# The reproduction is being reworded by itself; the line goes with the change that lands it.
-EXCEPTIONS = ("study/reproduction/",)
 QUESTION = re.compile(r"(What|Which|How|Where|Who|Whom|When|Whether)\b")
 PRONOUNS = {"one", "found"}
 FILES = [path.relative_to(ROOT).as_posix() for room in ("study", "baselines") for path in (ROOT / room).rglob("*.py")]
-SOURCES = sorted(file for file in FILES if not file.startswith(EXCEPTIONS))
+SOURCES = sorted(FILES)
 
 
 def _answers_yes_or_no(node: ast.AST) -> bool:

@@ -1,4 +1,4 @@
-"""What arithmetic allows of a benchmark table's cells: inequalities that fail, laid beside the cell they concern."""
+"""Limits that arithmetic sets to a benchmark table's cells: inequalities that fail, laid beside the cell they concern."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ ROLES = {
     "Mean": Statistic.MEAN, "Avg": Statistic.MEAN, "mean": Statistic.MEAN, "Std": Statistic.STD, "std": Statistic.STD,
     "Best": Statistic.BEST, "min": Statistic.BEST, "max": Statistic.WORST,
 }  # fmt: skip
-"""What the papers' row heads stand for."""
+"""Statistics behind the papers' row heads."""
 
 RUNS = 30
 """Runs behind every printed cell; all three papers say so."""

@@ -47,7 +47,7 @@ def settled(curves: Sequence[Floats], first: Sequence[int] | None = None) -> dic
 
 
 def levels(
-    record: Record, pick: Callable[[list[int]], float] = lambda found: float(np.median(found))
+    record: Record, pick: Callable[[list[int]], float] = lambda counts: float(np.median(counts))
 ) -> dict[str, float]:
     """Our generations of convergence at every share: the median of our runs, or what `pick` makes of them."""
     return {name: pick(record["settled"][name]) for name in LEVELS}

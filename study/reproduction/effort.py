@@ -1,4 +1,4 @@
-"""How much to run: the papers' own settings, or a quick look."""
+"""Extent of the runs: the papers' own settings, or a quick look."""
 
 from __future__ import annotations
 

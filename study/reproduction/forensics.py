@@ -1,4 +1,4 @@
-"""What arithmetic allows of a printed result: each check returns the broken inequality as text, or nothing.
+"""Limits that arithmetic sets to a printed result: each check returns the broken inequality as text, or nothing.
 
 A check assumes nothing about the algorithm. It asks only whether any n numbers could have the printed mean, standard
 deviation and extremes once rounding is allowed for, and whether sums follow from their terms.

@@ -76,5 +76,5 @@ class GeneticJob(RecordJob):
                 out["G"] = (stretch(problem, curve, x) - 1.0)[:, None]
 
         objectives = _Durations(n_var=problem.n_segments, n_obj=2, n_ieq_constr=1, xl=lower, xu=upper)
-        found = minimize(objectives, NSGA2(pop_size=self.population), ("n_gen", self.generations), seed=seed)
-        return np.asarray(found.X[found.F[:, 0].argmin()])
+        result = minimize(objectives, NSGA2(pop_size=self.population), ("n_gen", self.generations), seed=seed)
+        return np.asarray(result.X[result.F[:, 0].argmin()])

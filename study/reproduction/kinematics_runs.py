@@ -56,11 +56,11 @@ class KinematicsJob(RecordJob):
         def one(poses: Floats) -> Floats:
             return solve(robot, poses, (BRANCH,))[:, 0]
 
-        found = {}
+        seconds = {}
         for name, way in (("eight", eight), ("one", one)):
-            found[f"vectorised {name}"] = self._seconds(lambda way=way: way(targets))  # type: ignore[misc]
-            found[f"scalar {name}"] = self._seconds(lambda way=way: [way(pose[None]) for pose in targets])  # type: ignore[misc]
-        return {MEASURED: found}
+            seconds[f"vectorised {name}"] = self._seconds(lambda way=way: way(targets))  # type: ignore[misc]
+            seconds[f"scalar {name}"] = self._seconds(lambda way=way: [way(pose[None]) for pose in targets])  # type: ignore[misc]
+        return {MEASURED: seconds}
 
     def _seconds(self, work: Callable[[], object]) -> float:
         times = []

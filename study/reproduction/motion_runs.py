@@ -181,7 +181,7 @@ class Summary:
 
     @property
     def text(self) -> str:
-        """What stands beside a duration."""
+        """Remark beside a duration: the best of the runs, and how many keep the limits."""
         share = "" if self.feasible == self.runs else f"; {self.feasible} of {self.runs} runs feasible"
         return f"best of {self.runs} seeds {self.best:.4f} s{share}"
 

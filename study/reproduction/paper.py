@@ -60,7 +60,7 @@ def line_of(record: Record) -> tuple[Sequence[float], Sequence[float]]:
 
 
 class Paper(Protocol):
-    """What the reproduction asks of a paper."""
+    """Work, rulings and figures that the reproduction asks of a paper."""
 
     key: ClassVar[str]
     short: ClassVar[str]
@@ -144,7 +144,10 @@ class PaperRuns:
 
     def told(self, summaries: Mapping[str, Summary | None]) -> dict[str, str]:
         """Medians under other readings as text."""
-        return {name: "no feasible run" if one is None else f"{one.total:.4f} s" for name, one in summaries.items()}
+        return {
+            name: "no feasible run" if summary is None else f"{summary.total:.4f} s"
+            for name, summary in summaries.items()
+        }
 
     def placed(self, table: str, ruled: Sequence[tuple[Cell, Ruling]], others: Mapping[str, str]) -> Rulings:
         """Place the rulings of a row of durations, other readings beside its total."""

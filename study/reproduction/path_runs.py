@@ -53,7 +53,7 @@ class PathJob(RecordJob):
 
     def run(self) -> Record:
         """Clearances, durations and path lengths, world by world; a world without a motion counts as failed."""
-        found: Record = {"tool": [], "chords": [], "duration": [], "length": [], "failed": []}
+        gathered: Record = {"tool": [], "chords": [], "duration": [], "length": [], "failed": []}
         for seed in range(self.first, self.first + self.count):
             settings = RunSettings(
                 "poly353",
@@ -65,13 +65,13 @@ class PathJob(RecordJob):
             try:
                 tried = attempt(self.pathfinder, seed, settings)
             except StudyError as error:
-                found["failed"].append(f"world {seed}: {error}")
+                gathered["failed"].append(f"world {seed}: {error}")
                 continue
-            found["tool"].append(tried.tool_clearance)
-            found["chords"].append(tried.chord_clearance)
-            found["duration"].append(tried.motion.duration)
-            found["length"].append(tried.path_length)
-        return found
+            gathered["tool"].append(tried.tool_clearance)
+            gathered["chords"].append(tried.chord_clearance)
+            gathered["duration"].append(tried.motion.duration)
+            gathered["length"].append(tried.path_length)
+        return gathered
 
 
 def attempts(method: str, worlds: int, population: int, generations: int) -> list[PathJob]:

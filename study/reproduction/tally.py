@@ -11,6 +11,9 @@ from study.reproduction.book import Entry
 from study.reproduction.verdicts import CANNOT_STAND, CLAIM, Basis, Outcome
 
 AGREEING = (Outcome.REPRODUCED, Outcome.CONSISTENT)
+KEPT = (*AGREEING, Outcome.BETTER)
+"""Verdicts that speak for a claim: our runs agree with it or do better."""
+
 OPEN = (Outcome.UNDECIDED, Outcome.NOT_REPRODUCIBLE)
 Counts = Mapping[Basis, Mapping[Outcome, int]]
 
@@ -75,14 +78,15 @@ class Decided:
     @property
     def failing(self) -> Entry | None:
         """First of the tests that speak against the claim; None where none does."""
-        against = (entry for entry in self.entries if entry.ruling.outcome not in (*AGREEING, *OPEN))
+        against = (entry for entry in self.entries if entry.ruling.outcome not in (*KEPT, *OPEN))
         return next(against, None)
 
     @property
     def fate(self) -> str:
         """Tell in a few words what became of the claim, what its tests rest on and how many tell nothing."""
-        agreeing = [entry for entry in self.entries if entry.ruling.outcome in AGREEING]
+        agreeing = [entry for entry in self.entries if entry.ruling.outcome in KEPT]
         untold = Counter(entry.ruling.outcome for entry in self.entries if entry.ruling.outcome in OPEN)
+        better = sum(entry.ruling.outcome is Outcome.BETTER for entry in agreeing)
         told = len(self.entries) - untold.total()
         if not told:
             said = "is open"
@@ -93,6 +97,7 @@ class Decided:
         bases = {entry.ruling.basis for entry in agreeing}
         parts = [
             "by calculation alone, no run stands behind it" * (bool(bases) and not bases & {Basis.RUNS, Basis.FITTED}),
+            f"our runs do better in {better}" * (better > 0),
             "with constants fitted to the same table" * (Basis.FITTED in bases),
             *(f"{number} {outcome}" for outcome, number in untold.items()),
         ]

@@ -37,7 +37,7 @@ BASES: dict[Basis, str] = {
 
 
 class Outcome(Choice):
-    """What became of a printed number or statement."""
+    """Verdict on a printed number or statement."""
 
     REPRODUCED = "reproduced"
     SAME_ORDER = "same order of magnitude"
@@ -169,7 +169,7 @@ class Ruling:
 
 @dataclass(frozen=True)
 class Place:
-    """Where a number stands: a table's cell, or a claim in the prose.
+    """Place of a number: a table's cell, or a claim in the prose.
 
     Attributes
     ----------
