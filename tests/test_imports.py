@@ -14,8 +14,9 @@ OWNERS = {
     "toppra": (
         "baselines/path_timing/toppra.py",
         "study/bench/references.py",
-    ),  # the latter as a peer, by its own defaults
-    "ruckig": ("baselines/state_to_state/moves.py",),
+        "study/bench/arm_peers.py",
+    ),  # in the bench as a peer, by its own defaults
+    "ruckig": ("baselines/state_to_state/moves.py", "study/bench/arm_peers.py"),
     "rerun": ("study/recording/",),
     "matplotlib": tuple(f"study/{part}/figures.py" for part in ("report", "reproduction", "comparison", "bench")),
     "numba": ("study/curves/compiled/kernels.py", "baselines/free_path/compiled"),
