@@ -28,6 +28,8 @@ from study.cli.shared import (
     Out,
     Workers,
     audit_flags,
+    last_run,
+    names_in,
     run_missing,
     show,
 )
@@ -40,7 +42,7 @@ from study.runs.environment import environment
 from study.runs.execute import cell_jobs, stored_results
 from study.runs.job import Job
 from study.runs.lineup import Budget, make_cells, parse_specs
-from study.runs.remembered import remember_lineup, remembered_lineup
+from study.runs.remembered import remember_lineup
 from study.store.results import Result
 from study.store.store import Store
 
@@ -118,8 +120,7 @@ def compare(
 
 
 def _compare_papers(cases: list[str] | None, out: Path, full: bool, seeds: int | None, workers: Workers) -> None:
-    names = [name.strip() for text in cases or () for name in text.split(",") if name.strip()]
-    chosen = {case.name: case for case in map(load_case, names or case_names(default_only=True))}
+    chosen = {case.name: case for case in map(load_case, names_in(cases) or case_names(default_only=True))}
     _build_pages(chosen, out / STORE_NAME, full, seeds, workers)
     _link_comparison(out)
 
@@ -158,10 +159,7 @@ def _link_comparison(out: Path) -> None:
         return
     from study.report.page import build_report  # here: matplotlib is slow to import
 
-    cells, sources = remembered_lineup(out / STORE_NAME)
-    cases = {name: load_case(source) for name, source in sources.items()}
-    with Store(out / STORE_NAME, write=False) as store:
-        results = stored_results(store, cells, cases)
+    cases, sources, results = last_run(out)
     if results:
         build_report(summarise(cases, results), out / "report", environment(), audit_flags(out), sources)
 

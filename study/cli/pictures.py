@@ -8,13 +8,9 @@ from typing import Annotated
 import typer
 
 from study.analysis.case_summary import summarise
-from study.cases.library import load_case
 from study.cli.screen import make_console
-from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, recording_file
+from study.cli.shared import DEFAULT_OUT, Out, last_run, recording_file
 from study.errors import StudyError
-from study.runs.execute import stored_results
-from study.runs.remembered import remembered_lineup
-from study.store.store import Store
 
 
 def pictures(
@@ -31,15 +27,12 @@ def pictures(
     out: Out = DEFAULT_OUT,
 ) -> None:
     """Draw pictures of stored results: the ladder, one joint's profiles and the viewer's first look."""
-    cells, sources = remembered_lineup(out / STORE_NAME)
-    if case not in sources:
-        raise StudyError(f"the last run in {out} was not of case {case!r}; it was of {', '.join(sources)}")
-    cases = {name: load_case(source) for name, source in sources.items()}
-    loaded = cases[case]
-    if joint > loaded.problem.n_joints:
-        raise StudyError(f"case {case!r} has {loaded.problem.n_joints} joints, got joint {joint}")
-    with Store(out / STORE_NAME, write=False) as store:
-        summaries = {each.case.name: each for each in summarise(cases, stored_results(store, cells, cases))}
+    cases, _, results = last_run(out)
+    if case not in cases:
+        raise StudyError(f"the last run in {out} was not of case {case!r}; it was of {', '.join(cases)}")
+    if joint > cases[case].problem.n_joints:
+        raise StudyError(f"case {case!r} has {cases[case].problem.n_joints} joints, got joint {joint}")
+    summaries = {each.case.name: each for each in summarise(cases, results)}
     from study.recording import picture, record_case
     from study.report.pictures import (  # here: matplotlib and rerun are slow to import
         midway,

@@ -18,6 +18,8 @@ from study.cli.shared import (
     Memory,
     Out,
     Workers,
+    last_run,
+    names_in,
     run_missing,
     show,
     watching,
@@ -38,7 +40,7 @@ from study.runs.lineup import (
     make_cells,
     parse_specs,
 )
-from study.runs.remembered import remember_lineup, remembered_lineup
+from study.runs.remembered import remember_lineup
 from study.store.store import Store
 
 Details = Annotated[bool, typer.Option("--details", help="Print every method of every case.")]
@@ -104,10 +106,10 @@ def run(
 
 def _cases(texts: Sequence[str] | None) -> dict[str, tuple[Case, str]]:
     """Load cases; for each the name or absolute path that loads it again."""
-    names = [name.strip() for text in texts for name in text.split(",")] if texts else case_names(default_only=True)
+    names = names_in(texts) if texts else case_names(default_only=True)
     names = case_names() if names == ["all"] else names
     cases: dict[str, tuple[Case, str]] = {}
-    for name in filter(None, names):
+    for name in names:
         case = load_case(name)
         cases[case.name] = (case, name if name == case.name else str(Path(name).resolve()))
     if not cases:
@@ -145,10 +147,7 @@ def report(
     After a run that was killed they show the cells that were finished: each was stored the moment it ended, and
     recordings are made from the store, so none has to be mended.
     """
-    cells, sources = remembered_lineup(out / STORE_NAME)
-    cases = {name: load_case(source) for name, source in sources.items()}
-    with Store(out / STORE_NAME, write=False) as store:
-        results = stored_results(store, cells, cases)
+    cases, _, results = last_run(out)
     if not results:
         raise StudyError(f"no stored result in {out / STORE_NAME} belongs to the last run; run `study run` first")
     show(cases, results, out, make_console(), interactive=interactive, details=details)

@@ -14,13 +14,14 @@ import typer
 from rich.console import Console
 
 from study.analysis.case_summary import CaseSummary, summarise
-from study.cases.library import Case
+from study.cases.library import Case, load_case
 from study.cli import terminal
 from study.cli.screen import SafeConsole
 from study.errors import Interrupted
 from study.io.filenames import file_stem
 from study.runs.dask import dask_executor
 from study.runs.environment import environment
+from study.runs.execute import stored_results
 from study.runs.job import Job
 from study.runs.progress import Progress
 from study.runs.remembered import remembered_lineup
@@ -229,6 +230,19 @@ def write(
     sources = remembered_lineup(out / STORE_NAME)[1] if (out / STORE_NAME).is_file() else {}
     index = build_report(summaries, out / "report", environment(), flagged, sources)
     return index, out / "recordings"
+
+
+def last_run(out: Path) -> tuple[dict[str, Case], dict[str, str], list[Result]]:
+    """Cases of the last run, where each was loaded from, and the results that are stored of it."""
+    cells, sources = remembered_lineup(out / STORE_NAME)
+    cases = {name: load_case(source) for name, source in sources.items()}
+    with Store(out / STORE_NAME, write=False) as store:
+        return cases, sources, stored_results(store, cells, cases)
+
+
+def names_in(texts: Sequence[str] | None) -> list[str]:
+    """Names of an option that may be given several times, each time with several names between commas."""
+    return [name.strip() for text in texts or () for name in text.split(",") if name.strip()]
 
 
 def audit_flags(out: Path) -> dict[str, str]:

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from study.cli import terminal
 from study.cli.screen import make_console
+from study.cli.shared import names_in
 from study.errors import Interrupted, StudyError
 from study.registry import planner_named
 from study.runs.runner import default_jobs
@@ -36,9 +37,7 @@ def torture(
     """Put random problems of every kind (1-8 joints, 2-200 waypoints, six decades) to planners; ends with 3 if one crashes, hangs or is wrong."""
     if judges:
         return _compare(judges, seed, default_jobs() if jobs is None else jobs)
-    names = [
-        name.strip() for text in planners or [] for name in text.split(",") if name.strip()
-    ] or reference_planners()
+    names = names_in(planners) or reference_planners()
     for name in names:
         planner_named(name)
     jobs = default_jobs() if jobs is None else jobs
