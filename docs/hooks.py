@@ -10,6 +10,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from latex2mathml.converter import convert
+
 from study.bench import figures, wording
 from study.bench.run import read
 from study.bounds import kind_of
@@ -30,7 +32,17 @@ def on_page_markdown(markdown: str, **kwargs: Any) -> str:
     }.items():
         if f"<!-- {mark} -->" in markdown:
             markdown = markdown.replace(f"<!-- {mark} -->", part())
-    return re.sub(r"<!-- options: (.*) -->", lambda mark: _options(mark[1]), markdown)
+    markdown = re.sub(r"<!-- options: (.*) -->", lambda mark: _options(mark[1]), markdown)
+    if "$" not in markdown or kwargs["page"].file.name != "mathematics":
+        return markdown
+    markdown = re.sub(r"\$\$(.+?)\$\$", lambda found: _formula(found[1], "block"), markdown, flags=re.DOTALL)
+    markdown = re.sub(r"\n\$", " $", markdown)  # a line that begins with a formula would count as a block of HTML
+    return re.sub(r"\$(.+?)\$", lambda found: _formula(found[1], "inline"), markdown, flags=re.DOTALL)
+
+
+def _formula(latex: str, display: str) -> str:
+    """MathML, which browsers draw by themselves: nothing is fetched."""
+    return convert(" ".join(latex.split()), display=display).replace("\n", " ")
 
 
 def on_post_build(config: Any, **kwargs: Any) -> None:
