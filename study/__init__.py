@@ -6,7 +6,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from study.api import Comparison, Planned, compare, plan
+    from study.api import Comparison, Planned, compare, onward, plan, plan_many
     from study.errors import StudyError
     from study.judge import Verdict, judge
     from study.planning import RunSettings
@@ -25,7 +25,9 @@ _HOMES = {
     "Trajectory": "study.trajectory",
     "Verdict": "study.judge",
     "compare": "study.api",
+    "onward": "study.api",
     "plan": "study.api",
+    "plan_many": "study.api",
 }
 """Modules of the public names; each is imported at its first use, so that the command starts at once."""
 
@@ -42,7 +44,9 @@ __all__ = [
     "Verdict",
     "compare",
     "judge",
+    "onward",
     "plan",
+    "plan_many",
 ]
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from study.cautions import cautions, unbounded_joints
 from study.errors import StudyError
@@ -16,9 +18,10 @@ from study.io.sampling import Sampling
 from study.judge import Verdict
 from study.path_findings import largest_deviation
 from study.planning import RATE_LIMITS, RunSettings, Status, usual_settings
-from study.problem import Demand, EndCondition, Problem
+from study.problem import Demand, EndCondition, Problem, State
 from study.registry import planner_about, planner_named, planner_names
 from study.runs.execute import CellJob
+from study.runs.pool import WorkerDied, WorkerPool
 from study.runs.selections import (
     AUTO,
     AUTO_ON_LINES,
@@ -32,7 +35,18 @@ from study.runs.selections import (
 from study.store.results import Cell, Result
 from study.trajectory import Motion
 
-__all__ = ["COMPARED", "TIERS", "Comparison", "Planned", "automatic", "compare", "plan", "usual_settings"]
+__all__ = [
+    "COMPARED",
+    "TIERS",
+    "Comparison",
+    "Planned",
+    "automatic",
+    "compare",
+    "onward",
+    "plan",
+    "plan_many",
+    "usual_settings",
+]
 
 TIERS = {
     "best": "the shortest motion known: it starts from `fast` and never ends above it",
@@ -243,6 +257,77 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
             break
         planned = _planned(problem, names, settings, planned.tried)
     return replace(planned, tier=planner if planner in TIERS else "")
+
+
+def plan_many(
+    problems: Iterable[Problem], planner: str = "auto", settings: RunSettings | None = None, jobs: int = 1
+) -> list[Planned]:
+    """Plan several problems, as `plan` does each; the answers stand in the order of the problems.
+
+    Parameters
+    ----------
+    problems : iterable of Problem
+    planner, settings
+        As for `plan`.
+    jobs : int
+        Worker processes; with one, by default, this process does all.
+
+    Raises
+    ------
+    StudyError
+        If there is no such planner, or no worker. What goes wrong with one problem is the reason in its own answer.
+    """
+    asked = list(problems)
+    if jobs < 1:
+        raise StudyError(f"plan_many needs at least one job, got {jobs}")
+    if jobs == 1 or len(asked) < 2:
+        return [plan(problem, planner, settings) for problem in asked]
+    if planner not in TIERS:
+        planner_named(planner)
+    pool = WorkerPool(min(jobs, len(asked)))
+    try:
+        futures = [pool.submit(plan, problem, planner, settings) for problem in asked]
+        return [_settled(problem, planner, settings, f) for problem, f in zip(asked, futures, strict=True)]
+    finally:
+        pool.shutdown()
+
+
+def _settled(problem: Problem, planner: str, settings: RunSettings | None, future: Future[Planned]) -> Planned:
+    try:
+        return future.result()
+    except WorkerDied as error:
+        cell = Cell(problem.name, planner, planner, settings or usual_settings(problem))
+        return Planned(problem, CellJob(cell, problem).failed(str(error), 0.0), (), planner)
+
+
+def onward(problem: Problem, motion: Motion, time: float, waypoints: ArrayLike) -> Problem:
+    """Ask for a motion from the state that another one has at a time on to new waypoints, as an arm does while it moves.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its limits hold, and its condition at the end.
+    motion : Motion
+        Under way.
+    time : float, s
+        Since its start.
+    waypoints : array of shape (n_new, n_joints), rad or m
+        Still to pass; where the arm is then is put before them.
+
+    Raises
+    ------
+    StudyError
+        If the waypoints do not fit, or the first is where the arm is already.
+    """
+    place, *rates = (motion(np.array([time]), order)[0] for order in range(3))
+    room = problem.limits
+    place = np.clip(place, room.lower, room.upper)
+    rates = [np.clip(r, low, high) for r, low, high in zip(rates, room.lowest_rates, room.highest_rates, strict=False)]
+    limited = [np.isfinite(room.rates[order + 1]).any() for order in range(2)]
+    state = State(rates[0] if limited[0] else None, rates[1] if limited[1] else None)
+    finish = problem.finish if problem.finish is not None else problem.end
+    points = np.vstack([place, np.asarray(waypoints, dtype=float)])
+    return Problem(problem.name, points, room, start=state, finish=finish, joint_names=problem.joint_names)
 
 
 def _stages(problem: Problem, tier: str) -> list[tuple[str, ...]]:

@@ -3,31 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
+from study.bench import planner_parts
 from study.bench.arms import Answer, arm_rows
 from study.bench.arms import summary as on_arms
+from study.bench.planner_parts import Part, Told
 from study.errors import unknown
-
-Told = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Part:
-    """One part's answer.
-
-    Attributes
-    ----------
-    title : str
-    head : tuple of str
-    rows : tuple of tuples of str
-    sentences : tuple of str
-    """
-
-    title: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    sentences: tuple[str, ...]
 
 
 def measured(name: str, seed: int, told: Told) -> Part:
@@ -64,5 +45,12 @@ def _cost(answer: Answer) -> str:
     return f"{answer.seconds * 1e3:.1f}"
 
 
-PARTS: dict[str, Callable[[int, Told], Part]] = {"arms": arms}
+PARTS: dict[str, Callable[[int, Told], Part]] = {
+    "arms": arms,
+    "dense": planner_parts.dense,
+    "online": planner_parts.online,
+    "pieces": planner_parts.pieces,
+    "nlp": planner_parts.nlp,
+    "ruckig": planner_parts.long_moves,
+}
 """Parts by name."""

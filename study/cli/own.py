@@ -26,7 +26,7 @@ from study.io.filenames import file_stem
 from study.io.sampled import joined
 from study.io.sampling import Sampling
 from study.judge import judge
-from study.planning import Formulation, Synchronisation
+from study.planning import Formulation, RunSettings, Status, Synchronisation
 from study.runs.lineup import parse_specs
 from study.store.results import Result
 from study.trajectory import Motion
@@ -35,6 +35,10 @@ FORMS = (".yaml", ".csv", ".npz", ".exact.json")
 
 File = Annotated[
     Path, typer.Argument(metavar="FILE", help="A case (YAML or JSON), or waypoints alone: CSV or a JointTrajectory.")
+]
+Files = Annotated[
+    list[Path],
+    typer.Argument(metavar="FILE...", help="Cases (YAML or JSON), or waypoints alone: CSV or a JointTrajectory."),
 ]
 Units = Annotated[str | None, typer.Option(help="For waypoints alone: rad, deg, m or mm.")]
 
@@ -56,7 +60,7 @@ def init(
 
 
 def plan(
-    file: File,
+    files: Files,
     planner: Annotated[str, typer.Option(help="best, fast, or a name from `study list`; auto is best.")] = "auto",
     save: Annotated[
         list[Path] | None,
@@ -77,28 +81,51 @@ def plan(
     accept: Accept = False,
 ) -> None:
     """Plan one motion, have it judged and write it; ends with 3 where no feasible motion was found."""
-    wishes, console = Wishes(duration, speed, cycle, rate, points), make_console()
-    case = wishes.on(load_any(file, units, limits or [], joints))
+    wishes, ended = Wishes(duration, speed, cycle, rate, points), 0
+    if save and len(files) > 1:
+        raise StudyError("--save takes one FILE; the motions of several go below --out, named after their cases")
     for path in save or []:
         form_of(path)  # a wrong name is told before the work, not after it
     [spec] = parse_specs(planner) if planner not in TIERS else [None]
-    settings = replace(case.settings, seed=seed, evaluations=evaluations, time_limit=time_limit)
-    if spec is not None:
-        settings = replace(
-            settings,
-            formulation=Formulation(spec.formulation or settings.formulation),
-            synchronisation=Synchronisation(spec.synchronisation or settings.synchronisation),
-        )
+    for file in files:
+        try:
+            case = wishes.on(load_any(file, units, limits or [], joints))
+            settings = replace(case.settings, seed=seed, evaluations=evaluations, time_limit=time_limit)
+            if spec is not None:
+                settings = replace(
+                    settings,
+                    formulation=Formulation(spec.formulation or settings.formulation),
+                    synchronisation=Synchronisation(spec.synchronisation or settings.synchronisation),
+                )
+            name = spec.planner if spec else planner
+            _plan_case(
+                case, name, settings, save or [trajectory_file(out, case, form) for form in FORMS], wishes, accept
+            )
+        except StudyError as error:
+            if len(files) == 1:
+                raise
+            complain(error)  # and the other files are planned all the same
+            ended = 2
+        except typer.Exit as status:
+            ended = max(ended, status.exit_code) if ended != 2 else 2
+    if ended:
+        raise typer.Exit(ended)
+
+
+def _plan_case(
+    case: Case, planner: str, settings: RunSettings, files: Sequence[Path], wishes: Wishes, accept: bool
+) -> None:
+    """Plan one case, say how it went and write its files; ends where no feasible motion was found."""
+    console = make_console()
     warn(case, console)
     with console.status(f"planning {case.name}"):
-        planned = plan_motion(case.problem, spec.planner if spec else planner, settings)
+        planned = plan_motion(case.problem, planner, settings)
     facts = {"planner": f"{planned.planner}, {planned.why}"}
     if planned.result.motion is None:
         console.print(*_tried(planned), sep="\n")
         raise typer.Exit(no_motion(case))
     motion, good = planned.motion, planned.feasible
     if good and ((clearance := nearest(case, motion)) is None or clearance.clear):
-        files = save or [trajectory_file(out, case, form) for form in FORMS]
         try:
             facts |= save_motion(case, motion, files, wishes.sampling, accept)
         except StudyError:
@@ -116,8 +143,9 @@ def _tried(planned: Planned) -> Iterator[str]:
 
 
 def _outcome(result: Result) -> str:
+    late = "; a time limit was reached, so it may not be the best" if result.status is Status.TIMED_OUT else ""
     if result.verdict is not None and result.verdict.feasible:
-        return f"{result.verdict.duration:.6g} s, feasible"
+        return f"{result.verdict.duration:.6g} s, feasible{late}"
     reasons = "; ".join(result.verdict.reasons) if result.verdict else result.message or result.status.value
     return f"no feasible motion: {reasons}"
 
