@@ -9,11 +9,12 @@ from typing import ClassVar, TypeVar
 
 import numpy as np
 
+from study.demands import refusal
 from study.errors import StudyError
-from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status, Synchronisation
+from study.planning import RATE_LIMITS, Freedom, Plan, Planner, RunSettings, Status, Synchronisation
 from study.problem import Demand, Floats, Problem
 
-P = TypeVar("P")
+P = TypeVar("P", bound=Planner)
 NOTHING_MOVES = "all waypoints are equal, so there is nothing to move"
 
 
@@ -28,10 +29,15 @@ class Deterministic:
 def where_something_moves(
     plan: Callable[[P, Problem, RunSettings], Plan],
 ) -> Callable[[P, Problem, RunSettings], Plan]:
-    """Decorate `plan`: still joints are held still, a problem of still joints does not apply, an error is a reason."""
+    """Decorate `plan`: a demand that the planner does not know, or a problem of still joints, does not apply.
+
+    Still joints are held still, and an error is a reason.
+    """
 
     @wraps(plan)
     def careful(planner: P, problem: Problem, settings: RunSettings) -> Plan:
+        if reason := refusal(problem.planner_demands, planner.knows):
+            return Plan(Status.NOT_APPLICABLE, message=reason)
         if not problem.moving.any():
             return Plan(Status.NOT_APPLICABLE, message=NOTHING_MOVES)
         try:

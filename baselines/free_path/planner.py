@@ -13,7 +13,7 @@ from baselines.free_path.phases import FEWEST, free_path
 from baselines.free_path.question import of
 from baselines.free_path.reduced import in_tube, lasting
 from study.deadline import Deadline
-from study.demands import Demand
+from study.demands import Demand, refusal
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
@@ -67,6 +67,8 @@ class FreePathPlanner:
 
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Plan within the settings' time limit; the motion so far where that is not enough."""
+        if reason := refusal(problem.planner_demands, self.knows):
+            return Plan(Status.NOT_APPLICABLE, message=reason)
         deadline = Deadline.after(settings.time_limit)
 
         def shaped(problem: Problem) -> Plan:

@@ -11,6 +11,7 @@ import numpy as np
 
 from study.curves import curve_named
 from study.curves.compiled import with_engine
+from study.demands import refusal
 from study.formulation import objective_of
 from study.planning import RATE_LIMITS, Freedom, Meter, Plan, RunSettings, Status, Synchronisation
 from study.problem import Demand, Floats, Problem
@@ -80,6 +81,8 @@ def plan_segment_times(drive: Drive, problem: Problem, settings: RunSettings) ->
     StudyError
         If the curve is unknown or does not fit the waypoints.
     """
+    if reason := refusal(problem.planner_demands, RATE_LIMITS):
+        return Plan(Status.NOT_APPLICABLE, message=reason)
     alone = settings.synchronisation is Synchronisation.PER_JOINT
     parts = [problem.joint(j) for j in range(problem.n_joints)] if alone else [problem]
     streams = np.random.SeedSequence(settings.seed).spawn(len(parts))

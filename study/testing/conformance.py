@@ -14,7 +14,17 @@ from study.demands import refusal
 from study.errors import StudyError
 from study.judge import judge
 from study.parametric import ParametricTrajectory
-from study.planning import Meter, Plan, Planner, RunSettings, Status, Synchronisation, undescribed, usual_settings
+from study.planning import (
+    Meter,
+    Plan,
+    Planner,
+    RunSettings,
+    Status,
+    Synchronisation,
+    in_time,
+    undescribed,
+    usual_settings,
+)
 from study.problem import Floats, Problem
 from study.search.state import Box, Search, State
 from study.testing.problems import example_problems
@@ -91,6 +101,7 @@ def _solves(planner: Planner, problem: Problem, settings: RunSettings, may_be_in
 def _answer(planner: Planner, problem: Problem, settings: RunSettings, where: str) -> Plan | StudyError:
     try:
         plan = planner.plan(problem, settings)
+        plan = in_time(problem, plan) if isinstance(plan, Plan) else plan
     except StudyError as error:
         return error
     except Exception as error:
@@ -124,6 +135,8 @@ def check_bound(bound: Bound, problems: Sequence[Problem] | None = None, setting
     _require(not reason, reason)
     chosen = settings or RunSettings("cubic-spline")
     for problem in problems or example_problems():
+        if refusal(problem.demands, bound.knows):
+            continue
         where, before, random_before = f"on {problem.name!r}", _numbers(problem), _global_random_state()
         first, second = (bound.bound(problem, chosen) for _ in range(2))
         _require(isinstance(first, LowerBound), f"{where} it answered with a {type(first).__name__}, no LowerBound")

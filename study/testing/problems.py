@@ -115,7 +115,7 @@ _MORE: dict[Callable[[np.random.Generator, Problem], Problem], float] = {
 
 
 def example_problems() -> tuple[Problem, ...]:
-    """Small problems in which each limit binds in turn, with every kind of end, and joints that hardly move."""
+    """Small problems in which each limit and each demand binds in turn, with joints that hardly move."""
     four = np.array([[0.0, 0.2], [0.5, -0.1], [0.9, 0.3], [1.4, 0.1]])
     loose, tight = np.full(2, 100.0), np.array([1.0, 0.8])
     plain = JointLimits(tight, 2 * tight)
@@ -123,7 +123,9 @@ def example_problems() -> tuple[Problem, ...]:
     still = np.column_stack([four, np.full(4, 0.7)])
     noisy = np.column_stack([four, 0.7 + 1e-12 * np.array([0, 1, -1, 0.5])])
     inside = replace(plain, lower=np.array([-0.01, -0.11]), upper=np.array([1.41, 0.31]))
-    rest, smooth = EndCondition.REST, EndCondition.SMOOTH
+    rest, smooth, free = EndCondition.REST, EndCondition.SMOOTH, EndCondition.FREE
+    jerky = Problem("jerk", four, JointLimits(tight, 2 * tight, 20 * tight))
+    slow = JointLimits(0.3 * tight)
     return (
         Problem("velocity binds", four, JointLimits(tight, loose, 100 * loose), rest),
         Problem("acceleration binds", four, JointLimits(loose, tight, 100 * loose), rest),
@@ -136,4 +138,14 @@ def example_problems() -> tuple[Problem, ...]:
         Problem("a joint that moves by its noise", noisy, moving, smooth),
         Problem("a tight range of positions", four, inside, rest),
         Problem("another limit backwards", four, replace(plain, min_velocity=-0.5 * tight), rest),
+        replace(jerky, name="a moving start", start=State(0.2 * tight, -0.5 * tight)),
+        replace(jerky, name="a free start", start=free),
+        replace(jerky, name="a stop", stops=[1]),
+        replace(jerky, name="a dwell", dwells={2: 0.2}),
+        replace(jerky, name="a slow segment", segment_limits={1: slow}),
+        replace(jerky, name="a tolerance", tolerance=np.array(0.02)),
+        replace(jerky, name="straight lines", path=StraightPath(np.array(0.05))),
+        replace(jerky, name="a tube", path=Tube(np.array(0.03))),
+        replace(jerky, name="a duration", timing=Timing(exactly=5.0)),
+        replace(jerky, name="whole cycles", timing=Timing(cycle=0.01)),
     )

@@ -7,6 +7,7 @@ import pytest
 
 from study.bounds import LowerBound
 from study.curves import curve_named
+from study.demands import refusal
 from study.errors import StudyError
 from study.formulation import Scaled
 from study.planners.segment_times import SegmentTimePlanner
@@ -272,3 +273,18 @@ def test_problem_names_are_unique():
     names = [problem.name for problem in example_problems()]
     assert len(set(names)) == len(names)
     assert all(isinstance(problem, Problem) for problem in example_problems())
+
+
+def test_the_examples_make_every_demand():
+    assert {demand for problem in example_problems() for demand in problem.demands} == set(Demand)
+
+
+@pytest.mark.parametrize("name", ["toppra", "casadi-nlp", "golds-pso", "free-path-nlp", "ruckig-via"])
+def test_what_a_planner_does_not_know_it_declines_itself_before_it_runs(name):
+    planner = planner_named(name)
+    unknown = [p for p in example_problems() if refusal(p.planner_demands, planner.knows)]
+    assert len(unknown) >= 9
+    for problem in unknown:
+        plan = planner.plan(problem, QUICK)
+        assert plan.status is Status.NOT_APPLICABLE, problem.name
+        assert plan.message == refusal(problem.planner_demands, planner.knows)

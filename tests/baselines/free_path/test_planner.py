@@ -143,3 +143,14 @@ def test_close_order_takes_few_pieces_and_a_wild_walk_many():
     wild = Problem("wild", np.random.default_rng(1).uniform(-1, 1, (120, 3)), limits)
     assert usual_pieces(of(dense(120, limits)))[0] == FEWEST
     assert usual_pieces(of(wild)) == usual_pieces(of(small(EACH_LIMIT["all"]))) == (USUAL, None)
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e-6, 1e-4, 1e-3])
+def test_a_joint_that_trembles_costs_nothing(size):
+    """Equal pieces, as `free-path-nlp` has them, cost three parts in a thousand here once the joint counts as moving."""
+    steps, rng = np.arange(8), np.random.default_rng(5)
+    waves = np.column_stack([np.sin(0.9 * steps), np.cos(0.7 * steps) + 0.2 * steps, np.full(8, 0.3)])
+    limits = JointLimits([2.0] * 3, [6.0] * 3, [40.0] * 3)
+    noisy = waves + np.outer(rng.uniform(-size, size, 8), [0.0, 0.0, 1.0])
+    quiet, trembling = (FreePathPlanner().plan(Problem("seam", p, limits), SETTINGS).motion for p in (waves, noisy))
+    assert trembling.duration <= 1.0002 * quiet.duration
