@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from study.cautions import cautions, unbounded_joints
 from study.errors import StudyError
-from study.io.export import write_motion
+from study.io.export import controller_points, write_motion
+from study.io.samples import Samples
 from study.io.sampling import Sampling
 from study.judge import Verdict
 from study.path_findings import largest_deviation
@@ -177,6 +178,25 @@ class Planned:
     def reason(self) -> str:
         """Why there is no feasible motion, one sentence; empty where there is one."""
         return _reason(self.result)
+
+    def points(
+        self,
+        rate: float | None = None,
+        points: int | None = None,
+        *,
+        accept_unbounded_acceleration: bool = False,
+    ) -> Samples:
+        """Points for a controller object: names, times and rates; see `study.io.export.controller_points`.
+
+        Raises
+        ------
+        StudyError
+            If a joint that moves has no acceleration limit and that is not accepted, or rate or number are impossible.
+        """
+        accepted = accept_unbounded_acceleration
+        return controller_points(
+            self.motion, self.problem, Sampling(rate, points), accept_unbounded_acceleration=accepted
+        )
 
     def write(
         self,

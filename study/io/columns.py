@@ -84,6 +84,11 @@ def sampled_columns(header: Sequence[str], values: Floats) -> Samples:
     values : array of shape (n_rows, n_columns)
     """
     names = [as_written(name.strip()) for name in header]
+    joints = _as_exported(names)
+    if joints:
+        parts = np.hsplit(values[:, 1:], (len(names) - 1) // len(joints))
+        accelerations = parts[2] if len(parts) > 2 else None
+        return Samples(parts[0], joints, times=values[:, 0], velocities=parts[1], accelerations=accelerations)
     layout = _layout(names)
     positions, notes = layout.joints[Order.POSITION], list[str]()
     if not positions:  # a table of nothing but rates and times holds columns that happen to be named so
@@ -110,6 +115,14 @@ def sampled_columns(header: Sequence[str], values: Floats) -> Samples:
         notes=tuple(notes),
         units=units,
     )
+
+
+def _as_exported(names: Sequence[str]) -> tuple[str, ...]:
+    """Joints of a table that `study.io.export` wrote with rates, whatever they are called; none of another table."""
+    rates = sum(name.startswith("velocity of ") for name in names)
+    joints = tuple(names[1 : rates + 1])
+    blocks = [f"{kind} of {name}" for kind in ("velocity", "acceleration") for name in joints]
+    return joints if rates and names[0] == "time" and list(names[1 + rates :]) in (blocks[:rates], blocks) else ()
 
 
 def _layout(names: Sequence[str]) -> _Layout:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,8 @@ from study.cautions import require_bounded
 from study.errors import StudyError
 from study.files import csv_text, write_file
 from study.io.exact import exact_text
-from study.io.joint_trajectory import NANOSECONDS, message_json, message_yaml
-from study.io.samples import Samples
+from study.io.joint_trajectory import message_json, message_yaml
+from study.io.samples import NANOSECONDS, Samples
 from study.io.sampling import Sampling
 from study.parametric import ParametricTrajectory
 from study.problem import Floats, Problem
@@ -59,14 +60,52 @@ def write_motion(
         If the ending is another, the sampling is impossible, the file cannot be written, or a joint that moves has no
         acceleration limit and that is not accepted.
     """
-    require_bounded(problem, accept_unbounded_acceleration)
     form = form_of(path)
+    if form in MESSAGES:
+        points = controller_points(
+            motion, problem, sampling, accept_unbounded_acceleration=accept_unbounded_acceleration
+        )
+        return write_file(path, WRITERS[form](points, motion, problem))
+    require_bounded(problem, accept_unbounded_acceleration)
     if form == ".exact.json":
         return write_file(path, exact_text(motion, problem))
     times = (sampling or Sampling()).times(motion, problem)
-    if form in MESSAGES:  # evaluated where the message says, in whole nanoseconds
-        times = np.unique(np.round(times * NANOSECONDS)) / NANOSECONDS
     return write_file(path, WRITERS[form](points_of(motion, problem, times), motion, problem))
+
+
+def controller_points(
+    motion: Motion, problem: Problem, sampling: Sampling | None = None, *, accept_unbounded_acceleration: bool = False
+) -> Samples:
+    """Points of a motion for a controller object, the same as in a ROS message.
+
+    Times are whole nanoseconds, and positions and rates are the motion's at these rounded times; the last point is the
+    motion's end, at its duration to the nearest nanosecond. Nothing else is rounded. Velocities or accelerations that step
+    somewhere are left out, as in files, and where the motion is at rest at its ends they are exactly zero there.
+
+    Parameters
+    ----------
+    motion : Motion
+    problem : Problem
+        Gives names to the joints.
+    sampling : Sampling, optional
+    accept_unbounded_acceleration : bool
+        As in `write_motion`.
+
+    Returns
+    -------
+    Samples
+        Names, times in s and as `nanoseconds`, positions, velocities and accelerations in rad or m and s.
+
+    Raises
+    ------
+    StudyError
+        If the sampling is impossible, or a joint that moves has no acceleration limit and that is not accepted.
+    """
+    require_bounded(problem, accept_unbounded_acceleration)
+    times = (sampling or Sampling()).times(motion, problem)
+    rounded = np.unique(np.round(times * NANOSECONDS)) / NANOSECONDS
+    points = points_of(motion, problem, np.append(rounded[:-1], motion.duration))
+    return replace(points, times=rounded)
 
 
 def points_of(motion: Motion, problem: Problem, times: Floats) -> Samples:

@@ -10,11 +10,8 @@ from __future__ import annotations
 import json
 from typing import Any
 
-import numpy as np
+from study.io.samples import NANOSECONDS, Samples
 
-from study.io.samples import Samples
-
-NANOSECONDS = 1_000_000_000
 FIELDS = ("positions", "velocities", "accelerations")
 
 
@@ -23,16 +20,15 @@ def message(samples: Samples) -> dict[str, Any]:
     orders = [column.tolist() for column in (samples.positions, *samples.rates)]
     rows = zip(*orders, strict=True)
     points = [
-        {**dict(zip(FIELDS, [*row, [], []][:3], strict=True)), "effort": [], "time_from_start": _stamp(time)}
-        for row, time in zip(rows, np.asarray(samples.times).tolist(), strict=True)
+        {
+            **dict(zip(FIELDS, [*row, [], []][:3], strict=True)),
+            "effort": [],
+            "time_from_start": {"sec": time // NANOSECONDS, "nanosec": time % NANOSECONDS},
+        }
+        for row, time in zip(rows, samples.nanoseconds.tolist(), strict=True)
     ]
     header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}
     return {"header": header, "joint_names": list(samples.names), "points": points}
-
-
-def _stamp(time: float) -> dict[str, int]:
-    seconds, nanoseconds = divmod(round(time * NANOSECONDS), NANOSECONDS)
-    return {"sec": seconds, "nanosec": nanoseconds}
 
 
 def message_json(samples: Samples) -> str:

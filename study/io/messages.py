@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from study.errors import StudyError, plural
-from study.io.joint_trajectory import FIELDS, NANOSECONDS
-from study.io.samples import Samples
+from study.io.joint_trajectory import FIELDS
+from study.io.samples import NANOSECONDS, Samples
 from study.io.table import number, table
 from study.problem import Floats
 

@@ -6,8 +6,14 @@ import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from study.errors import StudyError
 from study.problem import Floats
+
+NANOSECONDS = 1_000_000_000
+"""In a second."""
 
 NUMBERED = re.compile(
     r"((actual|target|field|joints?|positions?|pos|q|qpos|axis|a|j)[ ._/]*)*[\[(]?\d+[\])]?", re.IGNORECASE
@@ -49,6 +55,19 @@ class Samples:
         """Velocities and accelerations, as far as the file gives them in this order."""
         given = [self.velocities, self.accelerations if self.velocities is not None else None]
         return [rate for rate in given if rate is not None]
+
+    @property
+    def nanoseconds(self) -> NDArray[np.int64]:
+        """Times to the nearest nanosecond, shape (n_rows,); `divmod(time, NANOSECONDS)` gives a ROS stamp's `sec` and `nanosec`.
+
+        Raises
+        ------
+        StudyError
+            If there are no times.
+        """
+        if self.times is None:
+            raise StudyError("these samples have no times")
+        return np.rint(self.times * NANOSECONDS).astype(np.int64)
 
     def of(self, names: Sequence[str], where: str) -> Samples:
         """Columns in the order of some joints; without names in the file, one column for each joint.
