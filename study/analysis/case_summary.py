@@ -15,6 +15,7 @@ from study.analysis.methods import Kind, MethodSummary, bound_of, lower_bound
 from study.analysis.published import published_methods
 from study.bounds import Method, is_stochastic
 from study.cases.library import Case
+from study.cases.obstacles import driving
 from study.cases.papers import paper_of
 from study.curves import CURVES
 from study.errors import StudyError
@@ -54,6 +55,16 @@ class CaseSummary:
         """Best method of every role."""
         own = self.case.planner if paper_of(self.case.paper) else ""
         return featured(self.methods, self.case.velocity_only, own)
+
+    @cached_property
+    def driving(self) -> dict[str, str]:
+        """Label of every method with a judged motion: whether that motion may be driven, see `study.cases.obstacles`."""
+        runs = {method.label: method.representative for method in self.whole}
+        return {
+            label: driving(self.case, run.motion, run.verdict)
+            for label, run in runs.items()
+            if run is not None and run.motion is not None and run.verdict is not None
+        }
 
     @cached_property
     def rungs(self) -> tuple[Rung, ...]:

@@ -78,6 +78,16 @@ def may_be_driven(verdict: Verdict, nearest: Nearest | None) -> bool:
     return verdict.feasible and (nearest is None or nearest.clear)
 
 
+DRIVEN = {True: "may be driven", False: "must not be driven"}
+"""Words that terminal, report and recording share."""
+
+
+def driving(case: Case, motion: Motion, verdict: Verdict) -> str:
+    """Say of a motion whether it may be driven and, where the case has anything to touch, how near it comes."""
+    clearance = nearest(case, motion)
+    return DRIVEN[may_be_driven(verdict, clearance)] + (f": {clearance.sentence}" if clearance else "")
+
+
 def nearest(case: Case, motion: Motion) -> Nearest | None:
     """Find how near the arm comes to obstacles, and to itself where the case asks for it; None where it asks for neither.
 

@@ -23,7 +23,7 @@ from study.analysis.sentences import answer
 from study.bounds import Method, kind_of
 from study.cases.ledger import Entry
 from study.cases.library import Case
-from study.cases.obstacles import Nearest
+from study.cases.obstacles import DRIVEN, Nearest
 from study.cautions import ends_said
 from study.cli.screen import fitted
 from study.judge import RATES, Verdict
@@ -193,7 +193,7 @@ def card(case: Case, verdict: Verdict, good: bool, clearance: Nearest | None, fa
     grid = Table.grid(padding=(0, 2))
     grid.add_column(style="bold", no_wrap=True)
     grid.add_column(overflow="fold")
-    drive = Text("may be driven", style="bold green") if good else Text("must not be driven", style="bold red")
+    drive = Text(DRIVEN[good], style="bold green" if good else "bold red")
     grid.add_row(Text(case.name), Text.assemble(f"{verdict.duration:.9g} s, ", drive))
     if np.isfinite(case.problem.limits.rates).any():
         grid.add_row("binding", Text(_binding(case.problem, verdict)))

@@ -204,7 +204,7 @@ def markdown(contents: Contents, scene: str = "") -> str:
         "",
         "| Method | Verdict | Time | Gap | Path | Evaluations |",
         "|:--|:--|--:|--:|:--|--:|",
-        *(_row(method) for method in contents.methods),
+        *(_row(method, contents.summary.driving.get(method.label, "")) for method in contents.methods),
         "",
         *_remarks(contents),
     ]
@@ -225,13 +225,13 @@ def _key(scene: str) -> str:
     )
 
 
-def _row(method: MethodSummary) -> str:
+def _row(method: MethodSummary, driving: str) -> str:
     evaluations = count(method.evaluations) if method.evaluations else ""
     gap = percent(method.gap) if method.gap is not None else ""
     time = seconds(method.duration).replace(DASH, "")
     cells = (
         plain(method.label),
-        _verdict(method),
+        _verdict(method) + (f"; {plain(driving)}" if ":" in driving else ""),
         time,
         gap,
         (method.freedom or "") if method.motion else "",

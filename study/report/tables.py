@@ -126,6 +126,7 @@ RESULTS: tuple[Column[Method], ...] = (
     Column("kind", "", lambda row: row[1].kind, kind=str),
     Column("claimed_s", "", lambda row: row[1].claimed, kind=float),
     Column("reason", "", lambda row: row[1].reason, kind=str),
+    Column("driving", "", lambda row: row[0].driving.get(row[1].label, ""), kind=str),
     Column("command", "", lambda row: command(row[0].case, *row[1:]), kind=str),
 )
 COLUMNS = tuple(column for column in RESULTS if column.head)

@@ -1,16 +1,25 @@
 """Clearance of an arm that moves: proved between instants, from obstacles and from itself."""
 
 from dataclasses import replace
+from io import StringIO
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from study import EndCondition, JointLimits, Problem, Trajectory, judge
+from study.analysis.case_summary import summarise_case
 from study.cases import obstacles
 from study.cases.library import load_case
 from study.cases.obstacles import may_be_driven, nearest
+from study.cli.check import report_verdict
 from study.pathfinding.world import segment_distances
+from study.planning import RunSettings
+from study.recording.summary import _row, plain
+from study.report.tables import RESULTS, records
 from study.robots import robot_named
+from study.runs.execute import CellJob
+from study.store.results import Cell
 
 
 @pytest.fixture
@@ -108,3 +117,21 @@ def test_a_case_file_may_ask_for_both(tmp_path):
     text = "units: rad\nwaypoints: [[0, 0, 0, 0, 0, 0], [1, 0, 0, 0, 0, 0]]\nlimits: {velocity: 1}\n"
     path.write_text(text + "robot: ur5\nself_collision: true\n")
     assert load_case(path).self_collision
+
+
+@pytest.mark.parametrize("clear", [True, False])
+def test_terminal_report_and_recording_say_the_same_of_a_motion(arm, clear):
+    place = flange(arm, 1.0) * ([2.0, 2.0, 1.0] if clear else 1.0)
+    case = replace(arm, obstacles=np.array([[place - 0.01, place + 0.01]]))
+    cell = Cell(case.name, "ruckig-stops", "ruckig-stops", RunSettings("cubic-spline"))
+    summary = summarise_case(case, [CellJob(cell, case.problem).run()], ())
+    [method] = summary.whole
+    said = summary.driving["ruckig-stops"]
+    assert said.startswith("may be driven: the arm stays" if clear else "must not be driven: the arm hits an obstacle")
+    [record] = records(RESULTS, [(summary, method, "arm.yaml")])
+    assert record["driving"] == said
+    assert plain(said) in _row(method, said)
+    console = Console(width=200, record=True, file=StringIO())
+    assert report_verdict(case, method.motion, console) is clear
+    text = console.export_text()
+    assert all(part in text for part in said.split(": "))
