@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[1]
 PAGES = sorted((ROOT / "docs" / "pages").glob("*.md"))
 BLOCK = re.compile(r"(?:<!-- exit: (\d) -->\n)?```(\w+)(?: title=\"([^\"]+)\")?\n(.*?)```", re.DOTALL)
 OPTIONAL = ("pymoo", "mealpy", "nevergrad")
-RUN, WRITTEN = ("sh", "python"), ("yaml", "csv", "toml", "python")
+RUN, WRITTEN = ("sh", "python"), ("yaml", "csv", "toml", "python", "xml", "json")
 QUIET = "-m pip install --quiet --no-index --no-deps --no-build-isolation --disable-pip-version-check --target"
 
 

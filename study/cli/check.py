@@ -104,7 +104,8 @@ def _known(case: str | None, where: str, other: str = "") -> Case:
 def _passing(motion: Motion, case: Case) -> Motion:
     if not isinstance(motion, Trajectory) or motion.n_joints != case.problem.n_joints:
         return motion
-    times = passages(motion.knots, motion.coefficients, case.problem.waypoints)
+    problem = case.problem
+    times = passages(motion.knots, motion.coefficients, problem.waypoints, problem.tolerances)
     return replace(motion, waypoint_times=times)
 
 

@@ -8,12 +8,15 @@ from study import polynomial
 from study.errors import StudyError
 from study.problem import Floats
 
+_FINER = 5
+"""Times that a grid of 200 instants is laid between the neighbours of its best one."""
+
 _NEAREST = 64  # pieces looked at for each waypoint
 FARTHEST = 1e150
 """Spans of the waypoints that a motion may be away from them; squares of larger distances are no numbers any more."""
 
 
-def passages(knots: Floats, coefficients: Floats, waypoints: Floats) -> Floats:
+def passages(knots: Floats, coefficients: Floats, waypoints: Floats, tolerances: Floats | None = None) -> Floats:
     """Find when a piecewise polynomial comes closest to waypoints, in their order.
 
     The first waypoint belongs to the first instant and the last one to the last. Of all increasing sequences of closest
@@ -25,6 +28,8 @@ def passages(knots: Floats, coefficients: Floats, waypoints: Floats) -> Floats:
     coefficients : array of shape (n_pieces, degree + 1, n_joints)
         Ascending powers of the time since the piece's first knot.
     waypoints : array of shape (n_waypoints, n_joints)
+    tolerances : array of shape (n_waypoints, n_joints), optional
+        Where the closest passage lies outside them, the time is taken at which the joints lie deepest inside.
 
     Returns
     -------
@@ -46,7 +51,33 @@ def passages(knots: Floats, coefficients: Floats, waypoints: Floats) -> Floats:
         )
     targets = waypoints / np.where(span > 0, span, 1.0)
     closest = [_closest(knots, widths, unit, target) for target in targets[1:-1]]
-    return np.array([knots[0], *_in_order(closest), knots[-1]])
+    times = np.array([knots[0], *_in_order(closest), knots[-1]])
+    return (
+        times
+        if tolerances is None or not tolerances.any()
+        else _inside(knots, coefficients, waypoints, tolerances, times)
+    )
+
+
+def _inside(knots: Floats, coefficients: Floats, waypoints: Floats, tolerances: Floats, times: Floats) -> Floats:
+    """Move passages, between those before and after, to where the largest share of a tolerance is least."""
+    moved = times.copy()
+
+    def shares(at: Floats, k: int) -> Floats:
+        piece = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
+        there = polynomial.value(np.moveaxis(coefficients[piece], 1, 2), (at - knots[piece])[:, None])
+        return np.asarray((np.abs(there - waypoints[k]) / np.maximum(tolerances[k], 1e-12)).max(axis=1))
+
+    for k in range(1, len(times) - 1):
+        low, high, best = moved[k - 1], times[k + 1], float(shares(times[k : k + 1], k)[0])
+        for _ in range(_FINER if best > 1 else 0):
+            grid = np.linspace(low, high, 200)
+            share = shares(grid, k)
+            nearest = int(share.argmin())
+            if share[nearest] < best:
+                best, moved[k] = float(share[nearest]), grid[nearest]
+            low, high = grid[max(nearest - 1, 0)], grid[min(nearest + 1, 199)]
+    return moved
 
 
 def _closest(knots: Floats, widths: Floats, unit: Floats, target: Floats) -> tuple[Floats, Floats]:

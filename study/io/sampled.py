@@ -86,7 +86,9 @@ def joined(samples: Samples, problem: Problem, where: str, interpolation: Interp
         raise StudyError(
             f"{where}: these samples cannot be joined in finite numbers; look for steps in positions or times"
         )
-    return SampledMotion(Trajectory(times, coefficients, passages(times, coefficients, problem.waypoints)), said)
+    return SampledMotion(
+        Trajectory(times, coefficients, passages(times, coefficients, problem.waypoints, problem.tolerances)), said
+    )
 
 
 def _times(samples: Samples, where: str) -> Floats:
