@@ -22,7 +22,7 @@ from tests.conftest import run_here
 ROOT = Path(__file__).parents[1]
 PAGES = sorted((ROOT / "docs" / "pages").glob("*.md"))
 BLOCK = re.compile(r"(?:<!-- exit: (\d) -->\n)?```(\w+)(?: title=\"([^\"]+)\")?\n(.*?)```", re.DOTALL)
-OPTIONAL = ("pymoo", "mealpy", "nevergrad")
+OPTIONAL = ("pymoo", "mealpy", "nevergrad", "rosbags", "xacro")
 RUN, WRITTEN = ("sh", "python"), ("yaml", "csv", "toml", "python", "xml", "json")
 QUIET = "-m pip install --quiet --no-index --no-deps --no-build-isolation --disable-pip-version-check --target"
 
@@ -124,6 +124,11 @@ def test_every_block_is_run_or_written():
         for status, language, title, _ in blocks(page):
             assert language in (WRITTEN if title else RUN), (page.name, language, title)
             assert not status or language == "sh", (page.name, status)
+
+
+def test_the_page_about_files_shows_every_key_of_a_case():
+    shown = next(text for _, _, title, text in blocks(PAGES[0].parent / "files.md") if title == "keys.yaml")
+    assert not {key for key in schema()["properties"] if not re.search(rf"^{key}:", shown, re.MULTILINE)}
 
 
 def test_the_ten_lines_of_the_docs_are_the_example():
