@@ -11,14 +11,15 @@ from study.parametric import ParametricTrajectory
 from study.path_findings import largest_deviation
 from study.problem import Demand, State, StraightPath, Timing, Tube
 from study.testing.second_judge import Answer, second_judge
+from study.testing.second_parametric import second_judge_parametric
 
 
 def judged(problem, motion):
     """Verdict of the judge, with which the second judge must agree."""
     verdict = judge(problem, motion)
-    if isinstance(motion, Trajectory):
-        wanted = Answer.FEASIBLE if verdict.feasible else Answer.INFEASIBLE
-        assert second_judge(problem, motion).answer is wanted, verdict.reasons
+    second = second_judge if isinstance(motion, Trajectory) else second_judge_parametric
+    wanted = Answer.FEASIBLE if verdict.feasible else Answer.INFEASIBLE
+    assert second(problem, motion).answer is wanted, verdict.reasons
     return verdict
 
 

@@ -39,7 +39,7 @@ class Curve:
         """Bernstein coefficients of a derivative, shape (n_pieces, n_joints, degree + 1)."""
         power = self.power(order)
         widths = np.diff(self.knots)[:, None, None] ** np.arange(power.shape[-1])
-        return power * widths @ _to_bernstein(power.shape[-1] - 1).T
+        return as_bernstein(power * widths)
 
     def at(self, time: np.longdouble, order: int = 0, left: bool = False) -> Long:
         """Value at a time, shape (n_joints,); at a knot that of the piece after or before it."""
@@ -65,6 +65,11 @@ class Curve:
         """Bernstein coefficients of the pieces between two neighbouring waypoints."""
         start, stop = self.passed[segment : segment + 2]
         return self.between(start, stop, order)
+
+
+def as_bernstein(power: Long) -> Long:
+    """Bernstein coefficients over [0, 1] of polynomials in ascending powers."""
+    return power @ _to_bernstein(power.shape[-1] - 1).T
 
 
 def _to_bernstein(degree: int) -> Long:

@@ -156,10 +156,10 @@ def _spells(problem: Problem, curve: Curve) -> Iterator[tuple[float, float]]:
         for segment in range(problem.n_segments):
             start, stop = curve.passed[segment : segment + 2]
             if start < stop:
-                yield _along(problem, curve.between(start, stop), segment)
+                yield along_line(problem, curve.between(start, stop), segment)
 
 
-def _along(problem: Problem, parts: Long, segment: int) -> tuple[float, float]:
+def along_line(problem: Problem, parts: Long, segment: int) -> tuple[float, float]:
     """Decide whether a segment keeps near its line: (0, 0) where it does, (1, 1) where not, (0, 1) where undecided."""
     straight = isinstance(problem.path, StraightPath)
     radius = np.zeros(problem.n_joints) if problem.path is None else problem.path.of(problem.n_joints)

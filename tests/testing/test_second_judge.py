@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from study import EndCondition, JointLimits, Problem, Trajectory
+from study import EndCondition, JointLimits, Problem, StudyError, Trajectory, judge
 from study.cli.main import app
+from study.curves import CURVES
+from study.path_findings import largest_deviation
+from study.problem import State, Timing, Tube
 from study.testing.attacks import ATTACKS, adversarial
 from study.testing.bernstein import Curve, halved, suprema
 from study.testing.second_judge import Answer, second_judge
+from study.testing.second_parametric import second_judge_parametric
 from study.testing.two_judges import AGREEMENTS, compare_judges
 
 
@@ -80,3 +84,55 @@ def test_a_command_prints_how_often_the_judges_agree():
     assert ended.exit_code == 0, ended.output
     assert "48 motions, seed 3, judged twice" in ended.output
     assert "undecided" in ended.output
+
+
+def parametric(seed):
+    """A curve in u, nearly at its limits or clearly on one side of them, with one demand more or a fault."""
+    rng = np.random.default_rng([5, seed])
+    points = rng.normal(size=(int(rng.integers(3, 7)), int(rng.integers(1, 4))))
+    motion = CURVES["bspline"].motion(points, rng.uniform(0.8, 1.2, len(points) - 1))
+    peaks = np.stack([motion.extrema(order).peak for order in (1, 2, 3)])
+    rates = peaks * (
+        1 + rng.choice([1e-9, -1e-9, 2e-6, -2e-6, 0.1, -0.1], peaks.shape, p=[0.3, 0, 0.3, 0.05, 0.3, 0.05])
+    )
+    rates[int(rng.integers(1, 4)) :] = np.inf
+    start = State(motion(0.0, 1)[0] * (1 + rng.choice([0, 2e-6, 0.1])), motion(0.0, 2)[0])
+    lines = largest_deviation(Problem("p", points, JointLimits(rates[0])), motion) * (1 + rng.choice([1e-5, -1e-5]))
+    more = [
+        {},
+        {"start": start},
+        {"path": Tube(lines)},
+        {"stops": [1]},
+        {"timing": Timing(at_least=motion.duration * (1 + rng.choice([0.0, 2e-6])))},
+        {
+            "segment_limits": {
+                1: JointLimits(motion.between(*motion.knots[1:3]).extrema(1).peak * (1 + rng.choice([0, -2e-6])))
+            }
+        },
+        {"tolerance": 0.1},
+    ][seed % 7]
+    limits = JointLimits(
+        *rates, *(motion.extrema()[k] + rng.choice([0, 2e-6]) * np.ptp(points, axis=0) for k in (0, 2))
+    )
+    limits = limits if seed % 3 else JointLimits(*rates)
+    moved = points + (0.05 if seed % 11 == 0 else 0.0)
+    return Problem("curve", moved, limits, EndCondition.FREE, **more), motion
+
+
+def test_two_judges_agree_on_curves_in_a_parameter_too():
+    outcomes = []
+    for seed in range(130):
+        try:
+            problem, motion = parametric(seed)
+        except StudyError:  # such a demand contradicts the limits
+            continue
+        verdict, second = judge(problem, motion), second_judge_parametric(problem, motion).answer
+        outcomes.append((verdict.feasible, second))
+        near = abs(verdict.violation - 1e-6) < 1e-8
+        assert near or second is Answer.UNDECIDED or verdict.feasible == (second is Answer.FEASIBLE), (
+            seed,
+            verdict.reasons,
+        )
+    assert sum(second is Answer.FEASIBLE for _, second in outcomes) > 20
+    assert sum(second is Answer.INFEASIBLE for _, second in outcomes) > 20
+    assert sum(second is Answer.UNDECIDED for _, second in outcomes) < 5
