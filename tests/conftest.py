@@ -136,6 +136,7 @@ def study_process() -> Callable[..., subprocess.CompletedProcess[str]]:
     """Run the command `study` in a process of its own."""
 
     def run(*arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
+        options = {"env": dict(os.environ)} | options  # readline sets COLUMNS behind Python's back
         return subprocess.run(command(*arguments), capture_output=True, text=True, timeout=110, **options)
 
     return run

@@ -24,6 +24,7 @@ from study.cli.shared import (
     STORE_NAME,
     Dask,
     Fresh,
+    Jobs,
     Memory,
     Out,
     Workers,
@@ -57,12 +58,13 @@ def compare(
         ),
     ] = None,
     planners: Annotated[
-        list[str] | None, typer.Option(help=f"As in `study run`. [default: {', '.join(COMPARED)}]")
+        list[str] | None,
+        typer.Option("--planners", "--planner", help=f"As in `study run`. [default: {', '.join(COMPARED)}]"),
     ] = None,
     seeds: Annotated[int | None, typer.Option(help="Runs of every search. [default: 3 with FILE]")] = None,
     evaluations: Annotated[int, typer.Option(help="Of every search, with FILE.")] = 2000,
     time_limit: Annotated[float, typer.Option(help="Seconds after which a planner is interrupted.")] = 20.0,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
+    jobs: Jobs = None,
     out: Out = DEFAULT_OUT,
     duration: Duration = None,
     speed: Speed = None,

@@ -5,13 +5,16 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from importlib.metadata import version
-from typing import Annotated, Any
+from typing import Annotated, Any, NoReturn
 
 import typer
 
 from study.cli.commands import Entry, lazy_group
 from study.cli.interrupts import STATUS, output_failure
 from study.errors import Interrupted, StudyError
+
+UsageError: type[Exception] = typer.BadParameter.__mro__[1]
+"""Base of the errors about the words of a command; Typer has no public name for it."""
 
 COMMANDS = {
     "list": Entry("listing", "list_all", "List cases and planners; the default ones are what `study run` takes."),
@@ -70,7 +73,7 @@ app = typer.Typer(
     "Start with `study run`; it leaves a report and recordings in ./study-output.",
     cls=lazy_group(COMMANDS),
     no_args_is_help=True,
-    add_completion=False,
+    add_completion=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
@@ -96,10 +99,13 @@ def main() -> None:
     """Run the command; what a user can mend ends in one sentence and exit code 2."""
     try:
         try:
-            app()
+            status = app(standalone_mode=False)
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()
+        sys.exit(status if isinstance(status, int) else 0)
+    except UsageError as mistake:
+        _misused(mistake)
     except StudyError as error:
         _end(error, 2)
     except Interrupted as interruption:
@@ -113,7 +119,17 @@ def main() -> None:
         _end(sentence, 2)
 
 
-def _end(sentence: object, status: int) -> None:
+def _misused(mistake: Any) -> NoReturn:
+    """Say in one sentence what is wrong with the words of the command; of a group alone print its commands."""
+    if type(mistake).__name__ == "NoArgsIsHelpError":
+        mistake.show()
+        sys.exit(2)
+    text = mistake.format_message().strip().rstrip(".")
+    known = mistake.ctx.command_path if mistake.ctx else "study"
+    _end(f"{text[:1].lower()}{text[1:]}; `{known} --help` lists the options", 2)
+
+
+def _end(sentence: object, status: int) -> NoReturn:
     from study.cli.screen import complain  # here: its package is slow to import, and most commands end well
 
     if str(sentence):

@@ -61,7 +61,9 @@ def init(
 
 def plan(
     files: Files,
-    planner: Annotated[str, typer.Option(help="best, fast, or a name from `study list`; auto is best.")] = "auto",
+    planner: Annotated[
+        str, typer.Option("--planner", "--planners", help="best, fast, or a name from `study list`; auto is best.")
+    ] = "auto",
     save: Annotated[
         list[Path] | None,
         typer.Option(help="Files to write, .csv, .yaml, .json, .npz or .exact.json; all kinds below --out by default."),

@@ -13,7 +13,7 @@ import typer
 from rich.console import Console
 
 from study.cli.screen import make_console
-from study.cli.shared import DEFAULT_OUT, STORE_NAME, Dask, Fresh, Memory, Out, Workers, run_missing
+from study.cli.shared import DEFAULT_OUT, STORE_NAME, Dask, Fresh, Jobs, Memory, Out, Workers, run_missing
 from study.datafiles import data_folder
 from study.errors import StudyError
 from study.files import as_written, csv_text, read_file, write_file
@@ -122,7 +122,7 @@ def reproduce_command(
         bool, typer.Option("--quick", help="Fewer seeds, the stated readings only; labelled as quick.")
     ] = False,
     out: Out = DEFAULT_OUT,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
+    jobs: Jobs = None,
     commit: Annotated[
         bool, typer.Option("--commit", help="With --all: write the verdicts into the data of a checkout.")
     ] = False,

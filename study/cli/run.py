@@ -15,6 +15,7 @@ from study.cli.shared import (
     STORE_NAME,
     Dask,
     Fresh,
+    Jobs,
     Memory,
     Out,
     Workers,
@@ -58,12 +59,14 @@ def run(
     planners: Annotated[
         list[str] | None,
         typer.Option(
+            "--planners",
+            "--planner",
             help="NAME[:OPTION,...] separated by commas, with options penalty or scaled, per-joint or shared; "
-            "`all` takes every installed planner."
+            "`all` takes every installed planner.",
         ),
     ] = None,
     out: Out = DEFAULT_OUT,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
+    jobs: Jobs = None,
     evaluations: Annotated[
         int | None, typer.Option(help=f"Evaluations of every search. [default: {QUICK_EVALUATIONS}]")
     ] = None,

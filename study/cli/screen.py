@@ -46,7 +46,7 @@ class SafeConsole(Console):
     @property
     def endless(self) -> bool:
         """Whether the output goes to a file or a program, for which nobody has set a width."""
-        return not (self.is_terminal or "COLUMNS" in os.environ)
+        return not (self.is_terminal or os.environ.get("COLUMNS"))
 
     @contextmanager
     def paged(self) -> Iterator[None]:
@@ -104,9 +104,10 @@ def fitted(
     notes : sequence of str
         Stand below the table.
     """
+    heads, cells = [clean(name) for name in heads], [[_cleaned(cell) for cell in row] for row in rows]
     hidden = list[str]()
     for name in gives_way:
-        if _least_width(heads, rows, wraps, hidden) <= console.width:
+        if _least_width(heads, cells, wraps, hidden) <= console.width:
             break
         hidden.append(name)
     notes = [*notes, f"Not shown in {console.width} columns: {', '.join(hidden)}."] if hidden else notes
@@ -116,7 +117,7 @@ def fitted(
         if name not in hidden:
             justify: Literal["left", "right"] = "left" if name in left or name in wraps else "right"
             table.add_column(_head(name), justify=justify, no_wrap=name not in wraps, overflow="fold")
-    for row, style in zip(rows, styles or [""] * len(rows), strict=True):
+    for row, style in zip(cells, styles or [""] * len(rows), strict=True):
         table.add_row(*(cell for name, cell in zip(heads, row, strict=True) if name not in hidden), style=style)
     return table
 
@@ -125,19 +126,24 @@ WORD = 14
 """Characters that a column whose words may wrap is given at least, if it needs them."""
 
 
+def _cleaned(cell: str | Text) -> Text:
+    """A cell as it will be shown, so that its width is known."""
+    return Text(clean(cell)) if isinstance(cell, str) else Text(clean(cell.plain), cell.style)
+
+
 def _head(name: str) -> str:
     """A heading with every long word on a line of its own."""
     return name.replace(" ", "\n") if len(name) > 9 else name
 
 
 def _least_width(
-    heads: Sequence[str], rows: Sequence[Sequence[str | Text]], wraps: Sequence[str], hidden: Sequence[str]
+    heads: Sequence[str], table: Sequence[Sequence[Text]], wraps: Sequence[str], hidden: Sequence[str]
 ) -> int:
     total = 1
     for index, name in enumerate(heads):
         if name not in hidden:
-            cells = [Text.styled(cell) if isinstance(cell, str) else cell for cell in (row[index] for row in rows)]
-            width = max((line.cell_len for text in (Text(_head(name)), *cells) for line in text.split()), default=0)
+            cells = (Text(_head(name)), *(row[index] for row in table))
+            width = max(line.cell_len for text in cells for line in text.split())
             total += 3 + (min(width, WORD) if name in wraps else width)
     return total
 

@@ -17,7 +17,7 @@ from study.analysis.case_summary import CaseSummary, summarise
 from study.cases.library import Case, load_case
 from study.cli import terminal
 from study.cli.screen import SafeConsole
-from study.errors import Interrupted
+from study.errors import Interrupted, StudyError
 from study.io.filenames import file_stem
 from study.runs.dask import dask_executor
 from study.runs.environment import environment
@@ -35,6 +35,7 @@ INFEASIBLE = 3
 """Exit status where no feasible motion was found."""
 
 Out = Annotated[Path, typer.Option("--out", help="Folder of the results, the report and the recordings.")]
+Jobs = Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Run stored cells again too.")]
 Memory = Annotated[int | None, typer.Option(help="MB that a worker may take beyond its libraries (Linux).", min=16)]
 Dask = Annotated[
@@ -65,7 +66,15 @@ class Workers:
 
     @staticmethod
     def of(count: int | None, fresh: bool, memory: int | None, dask: str | None) -> Workers:
-        """Take the options of a command; memory in MB."""
+        """Take the options of a command; memory in MB.
+
+        Raises
+        ------
+        StudyError
+            If there is to be no worker.
+        """
+        if count is not None and count < 1:
+            raise StudyError(f"the number of jobs must be at least 1, got {count}")
         return Workers(count, fresh, None if memory is None else memory * 10**6, dask)
 
     @contextmanager

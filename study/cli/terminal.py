@@ -10,7 +10,15 @@ import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.cells import cell_len
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 from rich.text import Text
 
@@ -25,7 +33,7 @@ from study.cases.ledger import Entry
 from study.cases.library import Case
 from study.cases.obstacles import DRIVEN, Nearest
 from study.cautions import ends_said
-from study.cli.screen import fitted
+from study.cli.screen import clean, fitted
 from study.judge import RATES, Verdict
 from study.problem import Floats, Problem
 
@@ -44,6 +52,8 @@ def progress(console: Console) -> Progress:
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
         console=console,
         transient=False,
     )
@@ -329,7 +339,7 @@ def _waypoints_tables(console: Console, case: Case) -> Iterator[Table]:
     first, last = _shown(problem.n_waypoints)
     indices = [*first, *last]
     cells = [[f"{problem.waypoints[k, j]:.6g}" for k in indices] for j in range(problem.n_joints)]
-    heads = [f"{name}\n({unit})" for name, unit in zip(problem.joint_names, case.units, strict=True)]
+    heads = [clean(f"{name}\n({unit})") for name, unit in zip(problem.joint_names, case.units, strict=True)]
     widths = [3 + max(map(cell_len, [*column, *head.split("\n")])) for head, column in zip(heads, cells, strict=True)]
     start = 0
     while start < problem.n_joints:

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from study.cli import terminal
 from study.cli.screen import make_console
-from study.cli.shared import names_in
+from study.cli.shared import Jobs, names_in
 from study.errors import Interrupted, StudyError
 from study.registry import planner_named
 from study.runs.runner import default_jobs
@@ -26,10 +26,13 @@ def torture(
     problems: Annotated[int, typer.Option(help="How many random problems.", min=1)] = 1000,
     seed: Annotated[int, typer.Option(help="Of the problems.")] = 0,
     planners: Annotated[
-        list[str] | None, typer.Option(help="Names separated by commas; every deterministic planner by default.")
+        list[str] | None,
+        typer.Option(
+            "--planners", "--planner", help="Names separated by commas; every deterministic planner by default."
+        ),
     ] = None,
     time_limit: Annotated[float, typer.Option(help="Seconds for each planner on each problem.", min=0.1)] = 5.0,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes; all processors by default.")] = None,
+    jobs: Jobs = None,
     judges: Annotated[
         int, typer.Option(help="Instead, put so many random and adversarial motions to two independent judges.", min=0)
     ] = 0,

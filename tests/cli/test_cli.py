@@ -238,8 +238,26 @@ def test_report_and_view_before_a_run_say_what_to_do(failing, tmp_path):
     assert "no case 'wood'" in failing("view", "wood", "--out", tmp_path)
 
 
-def test_a_wrong_option_is_the_usual_usage_error(study_command):
-    ended = study_command("run", "--sedes", 3)
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (
+            ["run", "--sedes", 3],
+            "no such option: --sedes (Possible options: ",
+        ),
+        (["plan"], "missing argument 'FILE'; `study plan --help` lists the options"),
+        (["plann"], "no such command 'plann'"),
+        (["run", "--seeds", "x"], "invalid value for '--seeds'"),
+        (["store", "merg"], "no such command 'merg'"),
+    ],
+)
+def test_wrong_words_end_in_one_sentence_that_leads_on(failing, arguments, sentence):
+    assert sentence in failing(*arguments)
+
+
+@pytest.mark.parametrize("arguments", [(), ("cases",), ("store",)])
+def test_a_group_alone_prints_its_commands(study_command, arguments):
+    ended = study_command(*arguments)
     assert ended.returncode == 2
-    assert "No such option" in ended.stderr
-    assert "Traceback" not in ended.stderr
+    assert "Usage: study" in ended.stdout + ended.stderr
+    assert "Commands" in ended.stdout + ended.stderr
