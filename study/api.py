@@ -11,8 +11,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from study.arrays import of_kind, short, whole
 from study.cautions import cautions, unbounded_joints
 from study.errors import StudyError
+from study.files import named
 from study.io.export import controller_points, write_motion
 from study.io.samples import Samples
 from study.io.sampling import Sampling
@@ -214,7 +216,8 @@ class Planned:
             If the file cannot be written, or a joint that moves has no acceleration limit and that is not accepted.
         """
         accepted, sampling = accept_unbounded_acceleration, Sampling(rate, points)
-        return write_motion(self.motion, self.problem, Path(path), sampling, accept_unbounded_acceleration=accepted)
+        of_kind(accepted, bool, "accept_unbounded_acceleration")
+        return write_motion(self.motion, self.problem, named(path), sampling, accept_unbounded_acceleration=accepted)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -267,9 +270,10 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
     StudyError
         If there is no such planner. A planner that fails, or lacks a package, is a result with a reason.
     """
-    if planner not in (*TIERS, *planner_names()):
+    of_kind(problem, Problem, "problem")
+    if of_kind(planner, str, "planner") not in (*TIERS, *planner_names()):
         planner_named(planner)  # which says what there is
-    settings = settings or usual_settings(problem)
+    settings = usual_settings(problem) if settings is None else of_kind(settings, RunSettings, "settings")
     stages = _stages(problem, planner) if planner in TIERS else [(planner,)]
     planned = _planned(problem, stages[0], settings)
     for names in stages[1:]:
@@ -413,9 +417,11 @@ def compare(
     StudyError
         If there is no such planner, or no planner or no seed is asked for. A missing package is a result's reason.
     """
-    if not planners or seeds < 1:
-        raise StudyError(f"compare needs at least one planner and one seed, got {len(planners)} and {seeds}")
-    settings = settings or usual_settings(problem)
+    of_kind(problem, Problem, "problem")
+    if not isinstance(planners, list | tuple) or not planners or not all(isinstance(name, str) for name in planners):
+        raise StudyError(f"compare needs a list of at least one planner's name, got {short(planners)}")
+    whole(seeds, 1, "the number of seeds")
+    settings = usual_settings(problem) if settings is None else of_kind(settings, RunSettings, "settings")
     results = [
         _run(problem, name, replace(settings, seed=settings.seed + k)) for name in planners for k in _seeds(name, seeds)
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from study.errors import StudyError
 
 Floats = NDArray[np.float64]
+T = TypeVar("T")
 
 
 def frozen_array(values: ArrayLike, what: str) -> Floats:
@@ -31,6 +33,8 @@ def frozen_array(values: ArrayLike, what: str) -> Floats:
         raise StudyError(f"{what} holds a masked entry; fill the array in first")
     if _holds_boolean(values):
         raise StudyError(f"{what} must be made of numbers, not of true and false")
+    if getattr(getattr(values, "dtype", None), "kind", "f") in "cmM":
+        raise StudyError(f"{what} must be made of real numbers, not of complex ones or dates")
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
@@ -64,6 +68,38 @@ def positive(value: object, what: str) -> float:
     if number is None or not 0 < number < np.inf:
         raise StudyError(f"{what} must be a positive number, got {value!r}")
     return float(number)
+
+
+def whole(value: object, least: int, what: str, most: float = np.inf) -> int:
+    """Read one whole number.
+
+    Raises
+    ------
+    StudyError
+        If the value is anything else, too small or too large.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
+        above = "" if most == np.inf else f" and at most {most:g}"
+        raise StudyError(f"{what} must be a whole number of at least {least}{above}, got {short(value)}")
+    return int(value)
+
+
+def of_kind(value: object, kind: type[T], what: str) -> T:
+    """Refuse anything but an object of one kind.
+
+    Raises
+    ------
+    StudyError
+        If the value is anything else.
+    """
+    if not isinstance(value, kind):
+        raise StudyError(f"{what} must be a {kind.__name__}, got {type(value).__name__} {short(value)}")
+    return value
+
+
+def short(value: object) -> str:
+    """Show any object in a few letters."""
+    return repr(value)[:40] if isinstance(value, str | int | float | None) else f"{str(value)[:40]!r}"
 
 
 def index_in(index: object, allowed: range, what: str) -> int:

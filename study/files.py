@@ -21,6 +21,19 @@ _FORMULA = re.compile(r"[=+\-@\t\r]")
 _NUMBER = re.compile(r"[+-]?((\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|inf|nan)")
 
 
+def named(path: object) -> Path:
+    """Take the path of a file as people give it.
+
+    Raises
+    ------
+    StudyError
+        If it is neither a text nor a `pathlib.Path`.
+    """
+    if not isinstance(path, str | Path):
+        raise StudyError(f"a file is named by a text or a pathlib.Path, got {type(path).__name__} {str(path)[:40]!r}")
+    return Path(path)
+
+
 def read_file(path: Path, most: int = MOST_BYTES) -> bytes:
     """Read a regular file whole.
 

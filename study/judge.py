@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.arrays import of_kind
 from study.errors import StudyError
 from study.findings import Finding, Measured, findings_of
 from study.limits import RATES
@@ -107,6 +108,7 @@ def judge(problem: Problem, motion: Motion) -> Verdict:
     StudyError
         If there is no motion, or it has another number of joints or of waypoints than the problem.
     """
+    of_kind(problem, Problem, "problem")
     if not isinstance(motion, Motion):
         raise StudyError(f"case {problem.name!r}: there is no motion to judge, but a {type(motion).__name__}")
     n_passed = len(motion.waypoint_times)

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import polynomial
+from study.arrays import positive
 from study.errors import StudyError
 from study.problem import Floats, frozen_array
-from study.trajectory import Extrema, window
+from study.trajectory import Extrema, chosen, derivative, instants, window
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +41,7 @@ class ParametricTrajectory:
             object.__setattr__(self, name, frozen_array(getattr(self, name), f"parametric trajectory: {name}"))
             if not np.isfinite(getattr(self, name)).all():
                 raise StudyError(f"parametric trajectory: {name} must be finite")
-        if self.time.ndim != 2 or self.position.ndim != 3 or len(self.time) != len(self.position):
+        if self.time.ndim != 2 or self.position.ndim != 3 or len(self.time) != len(self.position) or not self.time.size:
             raise StudyError(
                 "parametric trajectory: time and position need one row of coefficients per piece, "
                 f"got {self.time.shape} and {self.position.shape}"
@@ -70,13 +71,11 @@ class ParametricTrajectory:
 
     def rate(self, order: int) -> tuple[Floats, Floats]:
         """Numerator (n_pieces, n_joints, k) and denominator (n_pieces, 1, l) of a derivative, as polynomials in u."""
-        return rational_rate(self.time[:, None, :], np.moveaxis(self.position, 1, 2), order)
+        return rational_rate(self.time[:, None, :], np.moveaxis(self.position, 1, 2), derivative(order))
 
     def __call__(self, t: ArrayLike, order: int = 0) -> Floats:
         """Position or its derivative of the given order, shape (n_times, n_joints); times are clipped to the motion."""
-        if order < 0:
-            raise StudyError(f"the order of a derivative must be 0 or more, got {order}")
-        times = np.clip(np.atleast_1d(np.asarray(t, dtype=float)), 0.0, self.duration)
+        times = instants(t, self.duration)
         piece = np.clip(np.searchsorted(self.knots, times, side="right") - 1, 0, len(self.time) - 1)
         u = self._parameters(times, piece)
         over, under = self.rate(order)
@@ -93,7 +92,7 @@ class ParametricTrajectory:
     def extrema(self, order: int = 0) -> Extrema:
         """Exact extrema of the derivative of the given order over the whole motion."""
         time, position = self.time[:, None, :], np.moveaxis(self.position, 1, 2)
-        points, values = rational_candidates(time, position, order)
+        points, values = rational_candidates(time, position, derivative(order))
         lowest, at_lowest, highest, at_highest = polynomial.pick_extrema(points, values)
         columns = np.arange(self.n_joints)
         low, high = lowest.argmin(axis=0), highest.argmax(axis=0)
@@ -114,11 +113,11 @@ class ParametricTrajectory:
 
     def scaled(self, factor: float) -> ParametricTrajectory:
         """Run the same path `factor` times as slowly."""
-        return replace(self, time=self.time * factor)
+        return replace(self, time=self.time * positive(factor, "the factor of a slower run"))
 
     def joints(self, indices: list[int]) -> ParametricTrajectory:
         """Keep some of the joints."""
-        return replace(self, position=self.position[:, :, indices])
+        return replace(self, position=self.position[:, :, chosen(indices, self.n_joints)])
 
     def between(self, start: float, stop: float) -> ParametricTrajectory:
         """Part of the motion between two times, s, as a motion of its own that starts at 0."""

@@ -9,8 +9,8 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from study.arrays import of_kind, whole
 from study.choices import Choice
-from study.errors import StudyError
 from study.problem import Demand, EndCondition, Floats, Problem
 from study.supervisor import supervisor
 from study.trajectory import Motion
@@ -78,13 +78,12 @@ class RunSettings:
     time_limit: float = 60.0
 
     def __post_init__(self) -> None:
+        for name in ("curve", "formulation", "synchronisation"):
+            of_kind(getattr(self, name), str, f"run settings: {name}")
         object.__setattr__(self, "formulation", Formulation(self.formulation))
         object.__setattr__(self, "synchronisation", Synchronisation(self.synchronisation))
-        if self.evaluations < 1 or self.population < 1:
-            raise StudyError(
-                f"budget and population must be at least 1, got {self.evaluations} evaluations, "
-                f"population {self.population}"
-            )
+        for name in ("evaluations", "population"):
+            whole(getattr(self, name), 1, f"run settings: {name}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,6 +218,7 @@ def lacking(noun: str, wrong: Mapping[str, bool]) -> str:
 
 def usual_settings(problem: Problem) -> RunSettings:
     """Settings for a problem of one's own: a curve that fits, all joints together, every candidate made feasible."""
+    of_kind(problem, Problem, "problem")
     return RunSettings(curve=usual_curve(problem), formulation=Formulation.SCALED)
 
 

@@ -237,6 +237,7 @@ class Problem:
 
     def joint(self, index: int) -> Problem:
         """Take the problem of one joint alone; its neighbouring waypoints may then be equal."""
+        index_in(index, range(self.n_joints), f"{self._where}: joint")
         return replace(
             self,
             name=f"{self.name}, {self.joint_names[index]}",

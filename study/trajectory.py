@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol, runtime_checkable
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from study import polynomial
+from study.arrays import index_in, positive, short, whole
 from study.errors import StudyError
 from study.problem import Floats, frozen_array
 
@@ -77,6 +79,42 @@ class Motion(Protocol):
         """Times, s, that include every instant at which a joint passes its level; levels of shape (n_joints,)."""
 
 
+HIGHEST = 20
+"""Order of the highest derivative that is asked for."""
+
+
+def instants(t: ArrayLike, duration: float) -> Floats:
+    """Read times, clipped to a motion, shape (n_times,), s.
+
+    Raises
+    ------
+    StudyError
+        If they are no row of numbers.
+    """
+    times = np.atleast_1d(frozen_array(t, "times"))
+    if times.ndim != 1:
+        raise StudyError(f"times must be one number or a row of them, got shape {times.shape}")
+    return np.clip(times, 0.0, duration)
+
+
+def derivative(order: int) -> int:
+    """Read the order of a derivative.
+
+    Raises
+    ------
+    StudyError
+        If it is no whole number from 0 to `HIGHEST`.
+    """
+    return whole(order, 0, "the order of a derivative", HIGHEST)
+
+
+def chosen(indices: Sequence[int], n_joints: int) -> list[int]:
+    """Read numbers of joints, counted from 0."""
+    if not isinstance(indices, list | tuple | range | np.ndarray):
+        raise StudyError(f"joints are chosen by a list of their numbers, got {short(indices)}")
+    return [index_in(index, range(n_joints), "joint") for index in indices]
+
+
 def window(knots: Floats, start: float, stop: float) -> tuple[float, float, int, int]:
     """Snap a part of a motion to knots that differ from its ends by rounding only, and find the pieces that it touches.
 
@@ -91,6 +129,10 @@ def window(knots: Floats, start: float, stop: float) -> tuple[float, float, int,
     StudyError
         If the part is empty or leaves the motion.
     """
+    ends = frozen_array([start, stop], "the ends of a part of a motion")
+    if ends.shape != (2,):
+        raise StudyError(f"a part of a motion runs between two times, got {short(start)} and {short(stop)}")
+    start, stop = map(float, ends)
     near = [float(knots[np.abs(knots - t).argmin()]) for t in (start, stop)]
     rounding = 1e-12 * knots[-1]
     begin, end = (k if abs(k - t) <= rounding else float(t) for k, t in zip(near, (start, stop), strict=True))
@@ -171,16 +213,14 @@ class Trajectory:
 
     def __call__(self, t: ArrayLike, order: int = 0) -> Floats:
         """Position or its derivative of the given order, shape (n_times, n_joints); times are clipped to the motion."""
-        if order < 0:
-            raise StudyError(f"the order of a derivative must be 0 or more, got {order}")
-        times = np.clip(np.atleast_1d(np.asarray(t, dtype=float)), 0.0, self.duration)
+        times = instants(t, self.duration)
         piece = np.clip(np.searchsorted(self.knots, times, side="right") - 1, 0, len(self.coefficients) - 1)
         ascending = np.moveaxis(self._coefficients(order), 1, 2)
         return polynomial.value(ascending[piece], (times - self.knots[piece])[:, None])
 
     def _coefficients(self, order: int) -> Floats:
         result: Floats = np.moveaxis(self.coefficients, 1, 2)
-        for _ in range(order):
+        for _ in range(derivative(order)):
             result = polynomial.derivative(result)
         return np.moveaxis(result, 2, 1)
 
@@ -209,12 +249,13 @@ class Trajectory:
 
     def scaled(self, factor: float) -> Trajectory:
         """Run the same path `factor` times as slowly."""
-        powers = float(factor) ** np.arange(self.degree + 1)
+        factor = positive(factor, "the factor of a slower run")
+        powers = factor ** np.arange(self.degree + 1)
         return Trajectory(self.knots * factor, self.coefficients / powers[:, None], self.waypoint_times * factor)
 
     def joints(self, indices: list[int]) -> Trajectory:
         """Keep some of the joints."""
-        return replace(self, coefficients=self.coefficients[:, :, indices])
+        return replace(self, coefficients=self.coefficients[:, :, chosen(indices, self.n_joints)])
 
     def between(self, start: float, stop: float) -> Trajectory:
         """Part of the motion between two times, s, as a motion of its own that starts at 0."""

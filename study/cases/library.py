@@ -16,6 +16,7 @@ from study.cases.paper_file import SI, CaseFile, Limits, Printed, Rates, Unit, i
 from study.curves import curve_named
 from study.datafiles import checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
+from study.files import named
 from study.io.documents import parsed
 from study.planning import Formulation, RunSettings, Synchronisation, usual_settings
 from study.problem import EndCondition, Floats, JointLimits, Problem, frozen_array
@@ -54,7 +55,7 @@ def load_case(name_or_path: str | Path) -> Case:
     StudyError
         If there is no such case or file, or a field of the file is missing, unknown or impossible.
     """
-    path = Path(name_or_path)
+    path = named(name_or_path)
     if path.suffix.lower() in (".yaml", ".yml", ".json") or len(path.parts) > 1:
         content = parsed(path)
         if not isinstance(content, dict):

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.arrays import positive, whole
 from study.errors import StudyError
 from study.problem import Floats, Problem
 from study.trajectory import Motion
@@ -89,8 +90,7 @@ def sample_times(duration: float, rate: float) -> Floats:
     StudyError
         If the rate is not positive, or there would be more than ten million samples.
     """
-    if not 0 < rate < np.inf:
-        raise StudyError(f"the rate must be a positive number of samples per second, got {rate:g}")
+    rate = positive(rate, "the rate, samples per second,")
     if duration * rate > MOST_SAMPLES:
         raise StudyError(
             f"{duration:g} s at {rate:g} samples per second are more than {MOST_SAMPLES} samples; lower the rate"
@@ -129,8 +129,7 @@ def point_times(motion: Motion, points: int) -> Floats:
     StudyError
         If fewer than two points, or too many, are asked for.
     """
-    if not 2 <= points <= MOST_SAMPLES:
-        raise StudyError(f"the number of points must lie between 2 and {MOST_SAMPLES}, got {points}")
+    whole(points, 2, "the number of points", MOST_SAMPLES)
     times = _apart(motion.knots, motion.duration / (10.0 * points))
     if len(times) > points:
         return np.linspace(0.0, motion.duration, points)
