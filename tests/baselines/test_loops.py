@@ -41,7 +41,9 @@ def test_a_running_loop_goes_on_while_threads_plan(alone):
 
     async def planned():
         clock = asyncio.create_task(ticking())
-        durations = await asyncio.wait_for(asyncio.gather(*(asyncio.to_thread(duration, name) for name in PLANNERS)), 100)
+        durations = await asyncio.wait_for(
+            asyncio.gather(*(asyncio.to_thread(duration, name) for name in PLANNERS)), 100
+        )
         clock.cancel()
         return durations
 
