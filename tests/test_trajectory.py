@@ -99,7 +99,7 @@ def test_parametric_equals_polynomial_when_time_is_linear():
 @pytest.mark.parametrize("name", ["cubic-spline", "bspline"])
 def test_there_is_no_derivative_of_negative_order(name):
     motion = CURVES[name].motion(np.random.default_rng(1).normal(size=(6, 2)), np.ones(5))
-    with pytest.raises(StudyError, match="must be 0 or more, got -1"):
+    with pytest.raises(StudyError, match="must be a whole number of at least 0 and at most 20, got -1"):
         motion(0.5, order=-1)
 
 

@@ -19,6 +19,9 @@ from study.errors import StudyError, unknown
 from study.io.xml_file import read_xml
 from study.problem import Floats
 
+LARGEST = 1e12
+"""Size of a place, an angle or a scale, in m or rad, that no arm has."""
+
 MOVING = ("revolute", "continuous", "prismatic")
 SEVERAL = ("planar", "floating")
 """Kinds of joints with several degrees of freedom, which no list of positions holds; they stand still here."""
@@ -240,8 +243,8 @@ def _triple(element: ET.Element | None, key: str, usual: tuple[float, float, flo
         values = np.array(usual if text is None else text.split(), dtype=float)
     except ValueError:
         values = np.empty(0)
-    if values.shape != (3,) or not np.isfinite(values).all():
-        raise StudyError(f"{where}: {key!r} must be three numbers, got {text!r}")
+    if values.shape != (3,) or not (np.abs(values) <= LARGEST).all():
+        raise StudyError(f"{where}: {key!r} must be three numbers up to {LARGEST:g}, got {text!r}")
     return values
 
 
