@@ -195,7 +195,7 @@ class Planned:
         StudyError
             If a joint that moves has no acceleration limit and that is not accepted, or rate or number are impossible.
         """
-        accepted = accept_unbounded_acceleration
+        accepted = of_kind(accept_unbounded_acceleration, bool, "accept_unbounded_acceleration")
         return controller_points(
             self.motion, self.problem, Sampling(rate, points), accept_unbounded_acceleration=accepted
         )

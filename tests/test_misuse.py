@@ -49,6 +49,7 @@ CALLS = {
     "at_speed": (PROBLEM.at_speed, {"share": 0.5}),
     "joint": (PROBLEM.joint, {"index": 0}),
     "write": (PLANNED.write, {"path": "a.csv", "rate": None, "points": None, "accept_unbounded_acceleration": False}),
+    "points": (PLANNED.points, {"rate": None, "points": None, "accept_unbounded_acceleration": False}),
     "load_case": (load_case, {"name_or_path": "woodworking"}),
     **{
         f"{type(motion).__name__}.{name}": (getattr(motion, name), given)

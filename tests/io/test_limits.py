@@ -116,7 +116,7 @@ def test_named_joints_pick_a_chain(urdf):
         ),
         "bad origin": (
             "<robot><joint name='a' type='fixed'><parent link='x'/><child link='y'/><origin xyz='1 2'/></joint></robot>",
-            "'xyz' must be three numbers, got '1 2'",
+            "'xyz' must be three numbers up to 1e+12, got '1 2'",
         ),
         "no axis": (
             "<robot><joint name='a' type='revolute'><parent link='x'/><child link='y'/><axis xyz='0 0 0'/></joint></robot>",
