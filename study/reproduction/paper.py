@@ -17,7 +17,7 @@ from study.reproduction.benchmark_table import BenchmarkTable
 from study.reproduction.effort import Effort
 from study.reproduction.jobs import Record, RecordJob, Runs
 from study.reproduction.motion_runs import MotionJob, OptimumJob, Summary, summarised, synchronised
-from study.reproduction.sampling import compared, in_every
+from study.reproduction.sampling import Comparison, compared, in_every
 from study.reproduction.verdicts import Basis, Outcome, Place, Ruling, Rulings
 
 JobOf = Callable[[int], RecordJob]
@@ -167,20 +167,29 @@ class PaperRuns:
         return " / ".join(f"{steps:g}" for steps in convergence.slowest(records).values())
 
     def everywhere(self, first: JobOf, second: JobOf, subjects: Sequence[int], most: bool = False) -> Ruling:
-        """Rule on the statement that one search converges before another on every joint, or on most of them.
+        """Rule on the statement that one search converges before another on every joint, or on most of them."""
 
-        The share of the descent at which the statement holds most often decides; all of them are shown.
-        """
-        won: dict[str, Ruling] = {}
-        for level in convergence.LEVELS:
-            tests = {
-                f"joint {j + 1}": compared(*(self.runs[job(j)]["settled"][level] for job in (first, second)))
-                for j in subjects
-            }
-            won[level] = in_every(tests)
-        best = max(won, key=lambda level: int(won[level].ours.split(" ")[0]))
-        text = "; ".join(f"{ruling.ours.removesuffix(' comparisons')} at {level}" for level, ruling in won.items())
-        ruling = replace(won[best], ours=text, why=f"at {best} of the descent: {won[best].why}")
-        if most and int(won[best].ours.split(" ")[0]) > len(subjects) / 2:
+        def tests(level: str) -> dict[str, Comparison]:
+            both = {j: [self.runs[job(j)]["settled"][level] for job in (first, second)] for j in subjects}
+            return {f"joint {j + 1}": compared(*pair) for j, pair in both.items()}
+
+        ruling, won = at_any_share(tests)
+        if most and won > len(subjects) / 2:
             return replace(ruling, outcome=Outcome.REPRODUCED, agrees=True)
         return ruling
+
+
+def at_any_share(tests: Callable[[str], Mapping[str, Comparison]]) -> tuple[Ruling, int]:
+    """Rule on a statement about convergence, and count the tests won.
+
+    The share of the descent at which the statement holds most often decides; all of them are shown.
+
+    Parameters
+    ----------
+    tests : callable (name of a share) -> mapping of str to Comparison
+    """
+    rulings = {level: in_every(tests(level)) for level in convergence.LEVELS}
+    won = {level: int(ruling.ours.split(" ")[0]) for level, ruling in rulings.items()}
+    best = max(won, key=lambda level: won[level])
+    text = "; ".join(f"{ruling.ours.removesuffix(' comparisons')} at {level}" for level, ruling in rulings.items())
+    return replace(rulings[best], ours=text, why=f"at {best} of the descent: {rulings[best].why}"), won[best]

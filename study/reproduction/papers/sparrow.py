@@ -14,8 +14,8 @@ from study.reproduction.duration_rows import Row, rule
 from study.reproduction.jobs import MEASURED, Record, RecordJob
 from study.reproduction.kinematics_runs import KinematicsJob
 from study.reproduction.motion_runs import MotionJob, OptimumJob, Summary, judged
-from study.reproduction.paper import Drive, Panel, PaperRuns
-from study.reproduction.sampling import Statistic, compared, converse, in_every
+from study.reproduction.paper import Drive, Panel, PaperRuns, at_any_share
+from study.reproduction.sampling import Comparison, Statistic, compared, converse, in_every
 from study.reproduction.uniformity import more_uniform
 from study.reproduction.verdicts import BY_RUNS, IN_PRINT, Basis, Place, Ruling, Rulings, claim, missing
 from study.robots import robot_named
@@ -190,16 +190,12 @@ class Sparrow(PaperRuns):
 
     def before(self, variant: str, others: tuple[str, ...], reading: str = "") -> Ruling:
         """Rule on whether a variant converges before others, at the share of the descent at which it does most often."""
-        won = {
-            level: in_every({
-                o: compared(self.record(variant, reading)["settled"][level], self.record(o, reading)["settled"][level])
-                for o in others
-            })
-            for level in convergence.LEVELS
-        }  # fmt: skip
-        best = max(won, key=lambda level: int(won[level].ours.split(" ")[0]))
-        text = "; ".join(f"{ruling.ours.removesuffix(' comparisons')} at {level}" for level, ruling in won.items())
-        return replace(won[best], ours=text, why=f"at {best} of the descent: {won[best].why}")
+
+        def tests(level: str) -> dict[str, Comparison]:
+            own = self.record(variant, reading)["settled"][level]
+            return {other: compared(own, self.record(other, reading)["settled"][level]) for other in others}
+
+        return at_any_share(tests)[0]
 
     def _with_printed(self, ruling: Ruling, others: tuple[str, ...]) -> Ruling:
         if not self.effort.all_readings:
