@@ -158,9 +158,10 @@ def _how_chosen(cases: Sequence[Featured]) -> str:
     changes = [case.flattery for case in cases if case.flattery is not None]
     if not changes:
         return ""
+    change = f"changes by at most {percent(max(changes), False)}" if max(changes) > LEVEL else "does not change"
     return (
         "Best of a group: the lowest median over all seeds, the same seeds and budget for every search. Chosen by every "
-        f"second seed and timed by the other seeds, its time changes by at most {percent(max(changes), False)}."
+        f"second seed and timed by the other seeds, its time {change}."
     )
 
 

@@ -201,7 +201,7 @@ def headline(key: str, rows: Sequence[HeadlineRow], reference: str, width: float
     The reference is what 0 % stands for; the width is in pixels.
     """
     with mpl.rc_context(RC):
-        figure = sized(width, 60 + 70 * len(rows))
+        figure = sized(width, 60 + 84 * len(rows))
         axes = figure.subplots()
         _margins(figure, 4, 4, 44, 4)
         _grid(axes, "x")
@@ -210,7 +210,7 @@ def headline(key: str, rows: Sequence[HeadlineRow], reference: str, width: float
         axes.set_xlim(*headline_range(rows, width))
         for level, row in enumerate(rows):
             _headline_row(axes, level, row, width)
-        axes.set(ylim=(len(rows) - 0.5, -0.78), yticks=[], xlabel=f"time against {reference}")
+        axes.set(ylim=(len(rows) - 0.42, -0.7), yticks=[], xlabel=f"time against {reference}")
         shown = spaced_ticks(axes.get_xlim(), width)
         axes.set_xticks(shown, [percent(ratio - 1).replace(".00", "").replace(".0", "") for ratio in shown])
         axes.minorticks_off()
