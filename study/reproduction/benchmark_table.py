@@ -16,7 +16,7 @@ from study.reproduction.forensics import Finding
 from study.reproduction.jobs import Record, Runs
 from study.reproduction.readings import FORMS, READINGS, SHAPES, STARTS, Reading
 from study.reproduction.sampling import Statistic
-from study.reproduction.verdicts import Basis, Outcome, Place, Ruling, Rulings, missing, strongest
+from study.reproduction.verdicts import Basis, Outcome, Place, Ruling, Rulings, missing, strongest, used
 from study.testfunctions import benchmarks_of
 
 ROLES = {
@@ -114,7 +114,7 @@ class BenchmarkTable:
 
     def rulings(self) -> Rulings:
         """Rule on every cell of every function, and on the least values that Table 2 prints."""
-        gathered = self._optima()
+        gathered = self._optima() | self._boxes()
         for function in self.functions:
             for column in self.table.columns:
                 gathered |= self._column(function, column)
@@ -135,6 +135,20 @@ class BenchmarkTable:
                 ruling = rules.exact(cell.printed, value, Basis.FORMULA, why)
             gathered[Place(table.number, cell.row, column)] = ruling
         return gathered
+
+    def _boxes(self) -> Rulings:
+        """Remark at a printed box that a swarm of ours starts outside of."""
+        outside = [
+            (function, column, start) for (paper, function, column), start in STARTS.items() if paper == self.paper
+        ]
+        return {
+            Place("Table 2", function, end): used(
+                f"for every column but {column}, whose swarm starts in [-{start:g}, {start:g}]: its printed results lie "
+                "above everything in this box"
+            )
+            for function, column, start in outside
+            for end in ("lower", "upper")
+        }
 
     def _column(self, function: str, column: str) -> Rulings:
         cells = self._cells(function, column)

@@ -45,7 +45,8 @@ class GoldSPSO:
     cognitive, social : float
         Learning factors c1 and c2. Ours: not printed; 1.5 to 2 fits the paper's Table 3.
     acceleration : float
-        Factor lambda of Eq. (30), part of the golden-sine update. Ours: not printed; 0.5 fits Table 3, 0.9 does not.
+        Factor lambda of Eq. (30), part of the golden-sine update. Ours: not printed; 0.5 fits Table 3, 0.9 does not;
+        0.7298 with c = 1.49445, after Clerc and Kennedy whom the paper cites for it, fits as well.
     circle_start, s_curve_inertia, golden_sine : bool
         The paper's three strategies: Sections 2.4.1, 2.4.2, 2.4.3. Without them the start is uniform, the inertia falls
         linearly, and positions follow Eq. (22).
