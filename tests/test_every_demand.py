@@ -40,6 +40,11 @@ TABLE = {
     "lowest acceleration": (bounds(min_acceleration=[-1.0] * 2), walk(), (ANY, STOPS, LINES)),
     "highest jerk": (bounds(jerk=[9.0] * 2, min_jerk=[-50.0] * 2), walk(), (ANY, STOPS, LINES)),
     "lowest jerk": (bounds(min_jerk=[-9.0] * 2), walk(), (ANY, STOPS, LINES)),
+    "directions without a limit of jerk": (
+        bounds(jerk=None, min_velocity=[-0.4] * 2, min_acceleration=[-2.0] * 2),
+        walk(),
+        (ANY, STOPS, LINES, "toppra"),
+    ),
     "no limit of jerk": (walk(replace(LIMITS, jerk=None)), walk(), (ANY, STOPS, LINES, "casadi-nlp", "toppra")),
     "lowest position": (bounds(lower=LOW), walk(start=MOVING, finish=SMOOTH), (ANY, STOPS, LINES)),
     "highest position": (bounds(upper=HIGH), walk(), (ANY, STOPS, LINES)),

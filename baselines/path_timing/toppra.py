@@ -125,12 +125,10 @@ class _PathForToppra:
 
 def path_speeds(path: Path, limits: JointLimits, points: Floats) -> Floats | None:
     """Largest path speed at every gridpoint, shape (n_gridpoints,); None where TOPP-RA finds none."""
-    velocity = np.where(np.isfinite(limits.velocity), limits.velocity, UNLIMITED)
-    acceleration = np.where(np.isfinite(limits.acceleration), limits.acceleration, UNLIMITED)
-    wanted = [
-        constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
-        constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
-    ]
+    both = np.stack([limits.lowest_rates, limits.highest_rates], axis=2)
+    both = np.where(np.isfinite(both), both, np.sign(both) * UNLIMITED)
+    acceleration = np.abs(both[1]).min(axis=1)
+    wanted = [constraint.JointVelocityConstraint(both[0]), constraint.JointAccelerationConstraint(both[1])]
     if not path.clamped:
         return speeds_from_rest(path, wanted, points)
     first, last = end_speeds(path, acceleration, points)
@@ -276,7 +274,7 @@ class Toppra(Deterministic):
     rules: tuple[PathRule, ...] = (chord_path, centripetal_path)
     about: str = "TOPP-RA: the fastest speed along a given path, without a jerk limit"
     freedom: ClassVar[Freedom] = Freedom.PATH
-    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS - {Demand.JERK}
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS - {Demand.JERK} | {Demand.DIRECTIONAL_LIMITS}
 
     @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
