@@ -100,7 +100,7 @@ def nearest(case: Case, motion: Motion) -> Nearest | None:
     case : Case
     motion : Motion
     """
-    if case.robot is None:
+    if case.robot is None or not (len(case.obstacles) or case.self_collision):
         return None
     robot = robot_named(case.robot, tuple(case.problem.joint_names))
     speed = _fastest(robot, case, motion)
