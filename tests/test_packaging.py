@@ -75,6 +75,30 @@ def wheel(tmp_path_factory) -> Path:
     return path
 
 
+def release(source: Path, folder: Path) -> dict[str, bytes]:
+    """Build both release files of a folder at a stated date, without a network."""
+    arguments = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder), str(source)]
+    environment = {**os.environ, "SOURCE_DATE_EPOCH": "1700000000", "PIP_NO_INDEX": "1"}
+    subprocess.run(arguments, check=True, capture_output=True, timeout=100, env=environment)
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.mark.slow
+def test_release_files_of_two_copies_are_the_same_bytes(tmp_path):
+    files = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.splitlines()
+    copies = [tmp_path / "a copy", tmp_path / "another" / "place"]
+    for number, copy in enumerate(copies):
+        for name in files if number else reversed(files):
+            (copy / name).parent.mkdir(parents=True, exist_ok=True)
+            (copy / name).write_bytes((ROOT / name).read_bytes())
+            os.utime(copy / name, (1e9 + 1e6 * number, 1e9 + 1e6 * number))
+    first, second = (release(copy, tmp_path / f"dist{k}") for k, copy in enumerate(copies))
+    assert {name.rpartition(".")[2] for name in first} == {"whl", "gz"}
+    assert first == second
+
+
 def test_the_wheel_holds_packages_data_templates_and_nothing_else(wheel):
     names = zipfile.ZipFile(wheel).namelist()
     tops = {name.partition("/")[0] for name in names}

@@ -186,6 +186,8 @@ def explained(path: Path) -> Iterator[None]:
     try:
         yield
     except (sqlite3.Error, UnicodeDecodeError) as error:
+        if not os.path.lexists(path):
+            raise StudyError(f"results file {path} was deleted or replaced while it was in use; run again") from error
         raise StudyError(
             f"cannot use the results file {path}: {error}; results stored before are safe: mend the cause and run again"
         ) from error
