@@ -11,7 +11,7 @@ the lines, it is dv (a / 8 + b^2 / (24 a)) away from the corner. A change of spe
 
 Only the speeds p and c at every corner are left to choose. A backward and a forward pass, as in the timing of a fixed
 path, find large ones for which the lines are long enough; then every second corner at a time tries a little more and
-less.
+less, and a stop, from there and from stops everywhere.
 
 References
 ----------
@@ -284,6 +284,7 @@ def polished(line: Polyline, speeds: Floats, deadline: Deadline) -> Floats:
             change, _ = line.blends(np.arange(line.problem.n_waypoints), speeds[:, None])
             most = line.largest[:, None, group]
             tries = np.clip(speeds[:, None, group] + size * moves * most, 0.0, most)
+            tries = np.concatenate([tries, 0.0 * most], axis=1)  # a stop, which may be shorter than a slow blend
             times = line.times(group, tries, speeds, 0.5 * change.time[0] * speeds)
             best = np.where(times.min(axis=0) < times[0] * (1 - 1e-12), times.argmin(axis=0), 0)
             speeds[:, group] = tries[:, best, np.arange(len(group))]
@@ -354,6 +355,7 @@ class Straight(Deterministic):
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Choose the speeds at the corners; of the settings the time limit matters."""
         line = Polyline(problem)
-        speeds = polished(line, passed(line), Deadline.after(settings.time_limit))
-        stops = int((speeds[:, 1:-1].max(axis=0) == 0).sum())
-        return Plan(Status.FINISHED, motion=motion_of(line, speeds), details={"stops": float(stops)})
+        deadline, starts = Deadline.after(settings.time_limit), (passed(line), np.zeros_like(line.largest))
+        speeds = [polished(line, start, deadline) for start in starts]
+        motion = min((motion_of(line, each) for each in speeds), key=lambda each: each.duration)
+        return Plan(Status.FINISHED, motion=motion)

@@ -112,3 +112,12 @@ def test_a_line_without_any_limit_is_a_reason():
     plan = Straight().plan(problem, SETTINGS)
     assert plan.status is Status.FAILED
     assert plan.message == "nothing limits what moves from waypoint 2 to 3"
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.003, 0.05, 0.2])
+@pytest.mark.parametrize("seed", range(3))
+def test_it_is_never_slower_than_a_stop_at_every_corner(seed, radius):
+    points = np.random.default_rng(seed).uniform(-0.5, 0.5, (8, 2))
+    limits = JointLimits([1.5] * 2, [5.0] * 2, [50.0] * 2)
+    cut, stopping = (Problem("p", points, limits, path=StraightPath(r)) for r in (radius, 0.0))
+    assert planned(cut).duration <= planned(stopping).duration * (1 + 1e-9)
