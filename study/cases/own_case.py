@@ -23,8 +23,8 @@ from study.cases.own_waypoints import (
 )
 from study.cases.paper_file import SI
 from study.datafiles import checked
-from study.errors import StudyError, in_words_of, joint_error, plural
-from study.io.limits import read_limits
+from study.errors import StudyError, in_words_of, joint_error, listed, plural
+from study.io.limits import LimitFile, read_limits
 from study.io.one_joint import OneJoint
 from study.io.recordings import read_samples
 from study.io.samples import Samples
@@ -98,7 +98,7 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
     read, warnings = limits.joints, [*limits.notes]
     if rows is not None:
         rows = chosen_columns(file, rows, limits)
-    names = _names(file, rows, read, where)
+    names = _names(file, rows, limits, where)
     if rows is not None:
         warnings += [f"{file.waypoints}: {note}" for note in (*rows.notes, *unused_columns(file, rows, names))]
     table = rows.of(names, where).positions if rows else np.array(_rectangle(file.waypoints, where), dtype=float)
@@ -131,6 +131,12 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
         )
     except StudyError as error:
         raise StudyError(f"{where}: {in_words_of(error, *said)}" if error.about_joint else str(error)) from None
+    if problem.moving.any() and not np.isfinite(problem.limits.rates[:, problem.moving]).any():
+        still = "" if problem.moving.all() else ", and the joints that have limits stand still"
+        raise StudyError(
+            f"{where}: {listed([names[k] for k in np.flatnonzero(problem.moving)])} moves without any limit{still}, so there is no "
+            "shortest time; give a velocity limit"
+        )
     warnings += [*notes, *kept.notes, *unlimited_joints(problem, read), *stepping_ends(file, problem)]
     problem = problem if file.speed is None else problem.at_speed(file.speed)
     sources = {"waypoints": str(file.waypoints) if rows else path.name, "limits": ", ".join(limit_files) or path.name}
@@ -178,8 +184,9 @@ def _rectangle(rows: Any, where: str) -> list[list[float]]:
     return list(rows)
 
 
-def _names(file: OwnCase, rows: Samples | None, read: Mapping[str, OneJoint], where: str) -> tuple[str, ...]:
+def _names(file: OwnCase, rows: Samples | None, limits: LimitFile, where: str) -> tuple[str, ...]:
     """Names of the joints: the case's own, else the waypoint file's, else those of the limits if their number fits."""
+    read = limits.joints
     width = rows.positions.shape[1] if rows else len(file.waypoints[0]) if file.waypoints else 0
     names = tuple(file.joints or (rows.names if rows else ()) or (read if len(read) == width else ()))
     if not names and read:
@@ -195,6 +202,9 @@ def _names(file: OwnCase, rows: Samples | None, read: Mapping[str, OneJoint], wh
         raise StudyError(f"{where}: two joints have the same name: {', '.join(names)}; rename one")
     absent = [name for name in names if name not in read] if read else []
     if absent and not file.limits.velocity and not file.limits.acceleration and not file.limits.jerk:
+        for note in limits.notes:
+            if repr(absent[0]) in note:
+                raise StudyError(f"{where}: no limits for joint {absent[0]!r}: {note}")
         near = get_close_matches(absent[0], set(read) - set(names), n=1, cutoff=0.7)
         raise StudyError(
             f"{where}: no limits for joint {absent[0]!r}; the files of limits know {', '.join(read)}"

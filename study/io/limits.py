@@ -10,7 +10,7 @@ joint_limits.yaml: limit with lower, upper, velocity.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -96,13 +96,22 @@ def read_limits(*paths: Path) -> LimitFile:
                     multiplier * above.offset + offset,
                 )
         if master not in joints or master in mimics:
+            notes.append(f"joint {name!r} mimics {mimic.joint!r}, which leads no joint here, and is taken by itself")
             continue
         before, followers[name] = joints[master], master
-        joints[master] = tightened(before, joints[name], multiplier, offset)
+        joints[master] = after = tightened(before, joints[name], multiplier, offset)
+        if after.lower is not None and after.upper is not None and after.lower >= after.upper:
+            raise StudyError(
+                f"joint {name!r} follows {master!r}, but their ranges in {_named(paths)} leave no room for both"
+            )
         notes.append(
             f"joint {name!r} follows {master!r}" + (" and tightens its limits" if joints[master] != before else "")
         )
     return LimitFile({name: joint for name, joint in joints.items() if name not in followers}, followers, tuple(notes))
+
+
+def _named(paths: Sequence[Path]) -> str:
+    return ", ".join(path.name for path in paths)
 
 
 XML = (".urdf", ".xml", ".xacro")

@@ -189,6 +189,8 @@ def _limits(element: ET.Element, kind: str, where: str, notes: list[str]) -> dic
     if kind not in MOVING:
         notes += [f"{where} is {kind}, with several degrees of freedom, and stands still"] if kind in SEVERAL else []
         return values
+    if (values["velocity"] or 0.0) < 0:
+        raise StudyError(f"{where}: 'velocity' must not be negative, got {values['velocity']:g}")
     if values["velocity"] == 0:
         notes.append(f"{where}: velocity 0 is taken as not stated")
         values["velocity"] = None
@@ -202,6 +204,10 @@ def _limits(element: ET.Element, kind: str, where: str, notes: list[str]) -> dic
         if end is not None and stated is not None and choose(end, stated) != stated:
             notes.append(f"{where}: {key} end of its range is the safety controller's, {end:g}, not {stated:g}")
             values[key] = end
+    if values["lower"] is not None and values["upper"] is not None and values["lower"] > values["upper"]:
+        raise StudyError(
+            f"{where}: its range from {values['lower']:g} to {values['upper']:g} is empty; exchange its ends"
+        )
     if values["lower"] is not None and values["lower"] == values["upper"]:
         notes.append(f"{where}: a range from {values['lower']:g} to {values['upper']:g} is taken as not stated")
         values |= {"lower": None, "upper": None}

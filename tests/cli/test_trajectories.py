@@ -94,3 +94,29 @@ def test_samples_a_few_microseconds_apart_are_no_false_alarm(tmp_path, study_com
             "check", f"study-output/trajectories/my_case.{form}", "--case", "my_case.yaml", cwd=tmp_path
         )
         assert checked.returncode == 0, checked.stdout
+
+
+def test_compare_takes_the_same_wishes_and_the_report_finds_them_again(study_command, folder):
+    wishes = ("--duration", "4", "--points", "30", "--planners", "ruckig-stops", "--no-report")
+    ended = study_command("compare", "smooth.yaml", *wishes, cwd=folder)
+    assert ended.returncode == 0, ended.stderr
+    samples = read_samples(folder / "study-output/trajectories/smooth.csv")
+    assert (samples.times[-1], len(samples.times)) == (pytest.approx(4.0), 30)
+    kept = (folder / "study-output/cases/smooth.json").read_text()
+    assert '"duration": 4' in kept
+    refused = study_command("compare", "--duration", "4", cwd=folder)
+    assert refused.returncode == 2
+    assert "go with FILE" in refused.stderr
+
+
+def test_limits_complete_a_case_without_them_and_joints_pick_columns(study_command, folder):
+    (folder / "stop.yaml").write_text(
+        "units: rad\nwaypoints: [[0.0, 0.2], [0.5, -0.1], [0.9, 0.3]]\nstops: [2]\njoints: [a, b]\n"
+    )
+    assert study_command("check", "stop.yaml", "--limits", "l.yaml", cwd=folder).returncode == 0
+    (folder / "all.csv").write_text("a,b,grip\n0,0,0\n0.5,0.1,0.04\n")
+    ended = study_command("check", "all.csv", "--limits", "l.yaml", "--units", "rad", cwd=folder)
+    assert "no limits for joint 'grip'" in ended.stderr
+    ended = study_command("check", "all.csv", "--limits", "l.yaml", "--units", "rad", "--joints", "b,a", cwd=folder)
+    assert ended.returncode == 0, ended.stderr
+    assert "not used: column 'grip'" in ended.stdout

@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from study.cases.library import own_case
 from study.errors import StudyError
 from study.io.limits import read_limits
 
@@ -101,3 +102,48 @@ def test_followers_tighten_their_master_through_all_files_and_along_chains(tmp_p
     lead = read_limits(urdf, more).joints["lead"]
     assert lead.velocity == pytest.approx(0.2)
     assert (lead.min_acceleration, lead.acceleration) == (-3.0, 1.0)  # -2 * lead lies between -2 and 6
+
+
+def urdf(tmp_path, *joints):
+    bodies = (
+        f'<joint name="{name}" type="{kind}"><parent link="l{k}"/><child link="l{k + 1}"/>{inner}</joint>'
+        for k, (name, kind, inner) in enumerate(joints)
+    )
+    return put(tmp_path, f"<robot name='r'>{''.join(bodies)}</robot>", "r.urdf")
+
+
+@pytest.mark.parametrize(
+    ("joint", "sentence"),
+    [
+        (
+            ("a", "revolute", '<limit lower="1" upper="-1" velocity="1"/>'),
+            "file 'r.urdf', joint 'a': its range from 1 to -1",
+        ),
+        (
+            ("a", "revolute", '<limit lower="-1" upper="1" velocity="-2"/>'),
+            "file 'r.urdf', joint 'a': 'velocity' must not be",
+        ),
+        (("a", "floating", ""), "no limits for joint 'a': file 'r.urdf', joint 'a' is floating, with several degrees"),
+        (("a", "continuous", ""), "a moves without any limit, and the joints that have limits stand still"),
+    ],
+)
+def test_mistakes_in_a_urdf_name_the_urdf_and_the_joint(tmp_path, joint, sentence):
+    urdf(tmp_path, joint, ("b", "revolute", '<limit lower="-3" upper="3" velocity="1"/>'))
+    content = {
+        "units": "rad",
+        "joints": ["a", "b"],
+        "waypoints": [[0.0, 1.0], [0.5, 1.0]],
+        "limits": {"from": "r.urdf"},
+    }
+    with pytest.raises(StudyError, match=sentence):
+        own_case(content, tmp_path / "c.yaml")
+
+
+def test_followers_without_a_master_or_without_room(tmp_path):
+    lone = ("a", "revolute", '<limit lower="0" upper="3" velocity="1"/><mimic joint="gone"/>')
+    read = read_limits(urdf(tmp_path, lone))
+    assert list(read.joints) == ["a"]
+    assert "mimics 'gone'" in read.notes[0]
+    tight = ("a", "revolute", '<limit lower="0" upper="3" velocity="1"/><mimic joint="b"/>')
+    with pytest.raises(StudyError, match=r"'a' follows 'b', but their ranges in r.urdf leave no room"):
+        read_limits(urdf(tmp_path, tight, ("b", "revolute", '<limit lower="4" upper="5" velocity="1"/>')))
