@@ -77,7 +77,15 @@ def material() -> tuple[dict[str, Case], list[Result]]:
         joint_names=(NASTY, "b&b"),
     )
     mine = replace(
-        wood, name=NASTY, title=NASTY, paper=NASTY, problem=nasty, units=("m", "m"), published=(), notes=(NASTY,)
+        wood,
+        name=NASTY,
+        title=NASTY,
+        paper=NASTY,
+        problem=nasty,
+        robot=None,
+        units=("m", "m"),
+        published=(),
+        notes=(NASTY,),
     )
     results = _results(wood, ["golds-pso", "pso:scaled:shared", "centre", "direct", "ruckig-stops", "toppra"])
     results += _results(mine, ["pso", "centre"])

@@ -85,7 +85,7 @@ class Tuple(Good):
 
 class Refusing(Good):
     def plan(self, problem, settings):
-        raise StudyError("two\nlines")
+        raise StudyError("\n")  # several lines are made one; none are left
 
 
 class Boaster(Good):
