@@ -233,7 +233,7 @@ def verdict_table(console: Console, problem: Problem, verdict: Verdict) -> Table
         for order, limits in enumerate(problem.limits.rates):
             limited = np.isfinite(limits[j])
             ratio = verdict.ratios[order, j]
-            shown = f"{100 * ratio:.4f} %" if limited else "no limit"
+            shown = f"{100 * float(ratio):.4f} %" if limited else "no limit"
             row.append(Text(shown, style="bold" if limited and ratio == verdict.worst_ratio else ""))
             row.append(times_text([verdict.times[order, j]], verdict.duration) if limited else DASH)
         rows.append([*row, f"{verdict.waypoint_error[j]:.2e}", f"{verdict.overshoot[j]:.2e}"])
