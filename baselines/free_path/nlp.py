@@ -2,7 +2,7 @@
 
 Nothing ties the motion to a curve family: every segment has a free duration and is cut into K equal pieces. A joint
 with a jerk limit has an acceleration that is linear in every piece, one with an acceleration limit only has a constant
-one, and one with a velocity limit only drives straight. The more pieces, the closer to the best of all motions.
+one, and one with a velocity limit only drives straight. The more pieces, the closer to widths of every joint's own.
 
 The solver is run again with its inner points moved to where velocity peaks, until nothing is above a limit; what is
 still above after the last round is removed by stretching the whole motion by its exact factor. The range of positions

@@ -20,7 +20,7 @@ from baselines.free_path.model import Model, model_of
 from baselines.free_path.pieces import Point
 from baselines.free_path.question import Flags, FreePathProblem
 from baselines.free_path.realise import closed, leaves_range, realise, stretch
-from baselines.free_path.start import graded, spline_start
+from baselines.free_path.start import graded, spline_start, swelling
 from study.deadline import NEVER, Deadline
 from study.trajectory import Trajectory
 
@@ -182,7 +182,9 @@ def _answer(model: Model, outcome: Outcome, first: Point, iterations: int) -> An
     """Close the equations and slow to the limits; of the last, the first and a late one's spline, the fastest."""
     points = [outcome.state.point] if first is outcome.state.point else [outcome.state.point, first]
     if outcome.ending is Ending.LATE and model.question.scalable:
-        points.append(spline_start(model, graded(model), points[0].durations * model.tau))
+        shares = graded(model)
+        points.append(spline_start(model, shares, points[0].durations * model.tau))
+        points.append(spline_start(model, shares, swelling(model)))
     candidates = [closed(model, point) for point in points]
     factors = [stretch(model, point) if model.question.scalable else 1.0 for point in candidates]
     times = [float(model.tau @ c.durations) * f for c, f in zip(candidates, factors, strict=True)]

@@ -1,4 +1,4 @@
-"""COPP: third-order path parameterization on `toppra`'s clamped path, by sequential cone programs; the extra `copp`.
+"""COPP: third-order path parameterization on `toppra`'s paths, by a cone program; the extra `copp`.
 
 COPP's open core returns path speed and acceleration at stations. Between stations the motion here follows the quintic
 in time that meets both states; what this interpolation lets above a limit is removed by stretching by the exact factor.
@@ -17,15 +17,19 @@ import copp_py as copp
 import numpy as np
 
 from baselines.base import Deterministic, where_something_moves
-from baselines.path_timing.toppra import Path, chord_path, grid
+from baselines.path_timing.toppra import Path, PathRule, centripetal_path, chord_path, grid
 from study import polynomial
+from study.deadline import Deadline, record_cut
 from study.judge import judge
 from study.planning import Freedom, Plan, RunSettings, Status
 from study.problem import Floats, Problem
 from study.trajectory import Trajectory
 
-ROUNDS = 6
-"""Linearizations of the jerk limit: the first about TOPP-RA's profile, each next about the one before."""
+STATIONS, LEAST = 800, 4
+"""Stations at most on the whole path, but at least that many for each segment."""
+
+COST = 3e-4
+"""Processor time of the cone program for each station and joint, s: the work is told beforehand, since nothing stops it."""
 
 
 def stations_states(problem: Problem, path: Path, points: Floats) -> tuple[Floats, Floats]:
@@ -61,8 +65,6 @@ def stations_states(problem: Problem, path: Path, points: Floats) -> tuple[Float
     robot.add_jerk_limits(jerk, -jerk, start_idx_s=0, length=count)
     third = copp.solver.topp3_socp
     profile = third.solve(third.Problem(robot.constraints, reference))
-    for _ in range(ROUNDS - 1):
-        profile = third.solve(third.Problem(robot.constraints, np.asarray(profile.a)))
     _, times = copp.interpolation.s_to_t_topp3(points, profile)
     return np.asarray(times), np.stack([points, np.sqrt(np.maximum(profile.a, 0.0)), profile.b], axis=1)
 
@@ -90,12 +92,15 @@ def driven(path: Path, times: Floats, states: Floats, marks: Floats) -> Trajecto
 
 @dataclass(frozen=True)
 class Copp(Deterministic):
-    """Planner `copp`: the chord path from path rest to path rest under velocity, acceleration and jerk limits.
+    """Planner `copp`: a fixed path from path rest to path rest under velocity, acceleration and jerk limits.
+
+    The jerk limit is linearised once, about TOPP-RA's profile; more rounds gain less than a hundredth. Settings for a
+    cubic spline try the clamped path of `toppra` and its natural one, and keep the faster motion; others the clamped.
 
     Parameters
     ----------
     per_segment : int
-        Stations per segment.
+        Stations per segment, fewer where the path would have more than `STATIONS`.
     """
 
     per_segment: int = 20
@@ -104,17 +109,42 @@ class Copp(Deterministic):
 
     @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
-        """Parameterize the path; the settings do not matter."""
+        """Parameterize the path; the settings' curve and time limit matter."""
         if not np.isfinite(problem.limits.rates).all():
             return Plan(
                 Status.NOT_APPLICABLE, message="COPP's third order needs velocity, acceleration and jerk limits"
             )
-        path = chord_path(problem.waypoints, problem.limits)
-        points = grid(path, self.per_segment)
-        try:
-            times, states = stations_states(problem, path, points)
-        except copp.CoppError as error:
-            return Plan(Status.FAILED, message=f"COPP stopped: {error}")
-        motion = driven(path, times, states, np.full(problem.n_segments, self.per_segment))
-        stretch = judge(problem, motion).stretch
-        return Plan(Status.FINISHED, motion=motion.scaled(stretch), details={"stretch": stretch})
+        stations = min(self.per_segment, max(LEAST, STATIONS // problem.n_segments))
+        needed = COST * stations * problem.n_segments * problem.n_joints
+        if needed > settings.time_limit:
+            return Plan(
+                Status.NOT_APPLICABLE,
+                message=f"COPP cannot be stopped and needs about {needed:.2g} s here, more than the time limit",
+            )
+        return self._fastest(problem, settings, stations)
+
+    def _fastest(self, problem: Problem, settings: RunSettings, stations: int) -> Plan:
+        """Parameterize every path that there is time for, and keep the best motion."""
+        deadline, plans, reason = Deadline.after(settings.time_limit), list[tuple[bool, float, Plan]](), ""
+        paths = (chord_path, centripetal_path) if settings.curve.startswith("cubic-spline") else (chord_path,)
+        for lay in paths:
+            before = deadline.left()
+            try:
+                plans.append(_ranked(problem, lay, stations))
+            except copp.CoppError as error:
+                reason = f"COPP stopped: {error}"
+            if lay is not paths[-1] and deadline.left() <= before - deadline.left():  # the next would take as long
+                record_cut()
+                break
+        return min(plans, key=lambda ranked: ranked[:2])[2] if plans else Plan(Status.FAILED, message=reason)
+
+
+def _ranked(problem: Problem, lay: PathRule, stations: int) -> tuple[bool, float, Plan]:
+    """Motion along a path, stretched to its limits; whether the judge rejects it, and its duration, rank it."""
+    path = lay(problem.waypoints, problem.limits)
+    times, states = stations_states(problem, path, grid(path, stations))
+    motion = driven(path, times, states, np.full(problem.n_segments, stations))
+    stretch = judge(problem, motion).stretch
+    slowed = motion.scaled(stretch)
+    answer = Plan(Status.FINISHED, motion=slowed, details={"stretch": stretch, "stations": float(stations)})
+    return not judge(problem, slowed).feasible, slowed.duration, answer

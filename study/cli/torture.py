@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from study.api import TIERS
 from study.cli import terminal
 from study.cli.screen import make_console
 from study.cli.shared import Jobs, names_in
@@ -28,7 +29,9 @@ def torture(
     planners: Annotated[
         list[str] | None,
         typer.Option(
-            "--planners", "--planner", help="Names separated by commas; every deterministic planner by default."
+            "--planners",
+            "--planner",
+            help="Names or tiers (best, fast) separated by commas; every deterministic planner by default.",
         ),
     ] = None,
     time_limit: Annotated[float, typer.Option(help="Seconds for each planner on each problem.", min=0.1)] = 5.0,
@@ -42,7 +45,8 @@ def torture(
         return _compare(judges, seed, default_jobs() if jobs is None else jobs)
     names = names_in(planners) or reference_planners()
     for name in names:
-        planner_named(name)
+        if name not in TIERS:
+            planner_named(name)
     jobs = default_jobs() if jobs is None else jobs
     if jobs < 1:
         raise StudyError(f"the number of jobs must be at least 1, got {jobs}")

@@ -10,6 +10,8 @@ from baselines.free_path.phases import FEWEST, USUAL, usual_pieces
 from baselines.free_path.planner import FreePathPlanner
 from baselines.free_path.question import of
 from study import EndCondition, JointLimits, Problem, StudyError, judge
+from study.bench.planner_parts import smooth
+from study.deadline import Deadline
 from study.planning import RunSettings, Status
 from tests.helpers.reference_problems import EACH_LIMIT, INF, small, woodworking
 
@@ -154,3 +156,13 @@ def test_a_joint_that_trembles_costs_nothing(size):
     noisy = waves + np.outer(rng.uniform(-size, size, 8), [0.0, 0.0, 1.0])
     quiet, trembling = (FreePathPlanner().plan(Problem("seam", p, limits), SETTINGS).motion for p in (waves, noisy))
     assert trembling.duration <= 1.0002 * quiet.duration
+
+
+def test_a_late_motion_of_a_dense_path_is_near_its_optimum_and_not_the_stops(monkeypatch):
+    problem = smooth(120, 0)
+    best = FreePathPlanner().plan(problem, RunSettings("cubic-spline")).motion.duration
+    monkeypatch.setattr(Deadline, "passed", lambda deadline: True)
+    late = FreePathPlanner().plan(problem, RunSettings("cubic-spline"))
+    assert late.status is Status.TIMED_OUT
+    assert judge(problem, late.motion).feasible
+    assert late.motion.duration < 2.5 * best

@@ -96,3 +96,13 @@ def test_copp_is_feasible_on_the_same_path_and_not_faster(copp):
     assert judge(case, plan.motion).feasible
     assert curvature_free_path(plan.motion, case) < 1e-3
     assert plan.motion.duration > topp3(halvings=2).motion.duration
+
+
+def test_copp_tries_the_natural_spline_where_toppra_does_and_refuses_what_it_cannot_end_in_time(copp):
+    case, usual = problem(), SETTINGS
+    natural = copp.Copp().plan(case, usual)
+    assert judge(case, natural.motion).feasible
+    assert natural.motion.duration <= copp.Copp().plan(case, RunSettings("bspline")).motion.duration
+    refused = copp.Copp().plan(case, RunSettings("cubic-spline", time_limit=1e-3))
+    assert (refused.status, refused.motion) == (Status.NOT_APPLICABLE, None)
+    assert "more than the time limit" in refused.message
