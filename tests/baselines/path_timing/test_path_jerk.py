@@ -92,7 +92,7 @@ def test_driving_a_path_at_constant_speed_is_the_path(copp):
 
 def test_copp_is_feasible_on_the_same_path_and_not_faster(copp):
     case = problem()
-    plan = copp.Copp().plan(case, SETTINGS)
+    plan = copp.Copp().plan(case, RunSettings("bspline"))
     assert judge(case, plan.motion).feasible
     assert curvature_free_path(plan.motion, case) < 1e-3
     assert plan.motion.duration > topp3(halvings=2).motion.duration
