@@ -64,7 +64,7 @@ def spline_start(model: Model, shares: Floats, durations: Floats | None = None) 
 
 
 def swelling(model: Model) -> Floats:
-    """Durations of the segments at a speed that swells from rest and ebbs to rest along the path, shape (n_segments,), s.
+    """Durations of the segments at a speed that swells from rest and ebbs to rest, shape (n_segments,), s.
 
     The length of the path is measured in units of the speed limits. Along a smooth path in close order this gives a far
     better spline than the durations from stop to stop.

@@ -29,7 +29,7 @@ STATIONS, LEAST = 800, 4
 """Stations at most on the whole path, but at least that many for each segment."""
 
 COST = 3e-4
-"""Processor time of the cone program for each station and joint, s: the work is told beforehand, since nothing stops it."""
+"""Processor time of the cone program for each station and joint, s; told beforehand, since nothing stops it."""
 
 
 def stations_states(problem: Problem, path: Path, points: Floats) -> tuple[Floats, Floats]:
