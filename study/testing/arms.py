@@ -1,13 +1,12 @@
 """Problems of three real arms, with the makers' limits: moves, picks, random tours, and paths of the tool.
 
 Velocities and ranges of positions are the makers'. Franka also publishes accelerations and jerks. Universal Robots and
-KUKA publish neither, so there the acceleration is the one that their own ROS configurations name, and the jerk takes a
-tenth of a second to build it up.
+KUKA publish neither: there the acceleration is ours, and the jerk takes a tenth of a second to build it up.
 
 References
 ----------
 Franka Robotics, "Robot and interface specifications" of the Franka Research 3; Universal Robots, "UR5e technical
-details", and `ur_description`, joint_limits.yaml; KUKA, data sheet "LBR iiwa 7 R800", axis data.
+details"; KUKA, data sheet "LBR iiwa 7 R800", axis data.
 """
 
 from __future__ import annotations

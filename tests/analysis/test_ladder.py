@@ -103,7 +103,7 @@ def test_a_weak_bound_on_the_curve_gives_way_to_that_on_any_motion() -> None:
 
 def test_the_terminal_table_says_path_limits_and_bound(woodworking: CaseSummary) -> None:
     console = Console(width=200, file=io.StringIO())
-    console.print(terminal.methods_table(woodworking))
+    console.print(terminal.methods_table(console, woodworking))
     text = console.file.getvalue()  # type: ignore[attr-defined]
     assert "(limits: published)" in text
     lines = {words[0]: words[1:] for line in text.splitlines() if len(words := line.replace("│", " ").split()) > 2}
