@@ -41,7 +41,8 @@ def frozen_array(values: ArrayLike, what: str) -> Floats:
         raise StudyError(f"{what} must be a rectangular table of numbers: {error}") from None
     if np.isnan(array).any():
         where = ", ".join(str(i + 1) for i in np.argwhere(np.isnan(array))[0])
-        raise StudyError(f"{what} holds a value that is not a number (NaN) at position {where}; give a number there")
+        place = f" at position {where}" if where else ""
+        raise StudyError(f"{what} holds a value that is not a number (NaN){place}; give a number there")
     array.setflags(write=False)
     return array
 

@@ -33,6 +33,10 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     return LoadFileScheduling(config, log) if config.getvalue("dist") == "load" else None
 
 
+for name in ("COLUMNS", "LINES"):  # readline sets them in whatever process starts the workers
+    os.environ.pop(name, None)
+
+
 @pytest.fixture
 def tiny_problem() -> Problem:
     """Four waypoints, two joints, velocity and acceleration limited, rest to rest."""
@@ -136,7 +140,7 @@ def study_process() -> Callable[..., subprocess.CompletedProcess[str]]:
     """Run the command `study` in a process of its own."""
 
     def run(*arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
-        options = {"env": dict(os.environ)} | options  # readline sets COLUMNS behind Python's back
+        options = {"env": dict(os.environ)} | options  # without what readline set behind Python's back
         return subprocess.run(command(*arguments), capture_output=True, text=True, timeout=110, **options)
 
     return run

@@ -16,7 +16,7 @@ OWNERS = {
         "study/bench/references.py",
         "study/bench/arm_peers.py",
     ),  # in the bench as a peer, by its own defaults
-    "ruckig": ("baselines/state_to_state/moves.py", "study/bench/arm_peers.py"),
+    "ruckig": ("baselines/state_to_state/moves.py", "study/bench/arm_peers.py", "study/bench/planner_parts.py"),
     "rerun": ("study/recording/",),
     "matplotlib": tuple(f"study/{part}/figures.py" for part in ("report", "reproduction", "comparison", "bench")),
     "numba": ("study/curves/compiled/kernels.py", "baselines/free_path/compiled"),

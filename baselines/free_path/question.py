@@ -15,9 +15,6 @@ from study.tolerances import floors
 Flags = NDArray[np.bool_]
 Integers = NDArray[np.intp]
 
-WITHIN = 0.99
-"""Part of a tolerance at waypoints that is used; the pieces of a motion meet to a few parts in a million of a move."""
-
 
 @dataclass(frozen=True, eq=False)
 class FreePathProblem:
@@ -88,8 +85,8 @@ class FreePathProblem:
         return np.minimum(-self.lower, self.upper)
 
 
-def of(problem: Problem) -> FreePathProblem:
-    """Express a problem of the study."""
+def of(problem: Problem, within: float = 1.0) -> FreePathProblem:
+    """Express a problem of the study, with that part of the tolerances at waypoints."""
     lowest, highest = segment_rates(problem)
     below, above = _range(problem)
     points = np.arange(problem.n_waypoints)
@@ -103,7 +100,7 @@ def of(problem: Problem) -> FreePathProblem:
         end=_state(problem, 1),
         stops=np.isin(points, list(problem.stops)),
         dwells=np.array([problem.dwells.get(int(k), 0.0) for k in points]),
-        tolerance=WITHIN * problem.tolerances,
+        tolerance=within * problem.tolerances,
     )
 
 

@@ -194,4 +194,3 @@ def _explain(case: Case, console: Console) -> None:
     console.print(*terminal.case_tables(console, case))
     for name in automatic(problem):
         console.print(f"planner auto tries {name}: {planner_about(name)}")
-    console.print(f"planners that choose segment durations use the curve {case.curve}")

@@ -58,7 +58,7 @@ class CMAES:
         Raises
         ------
         StudyError
-            If the box has one dimension, or the population is too small.
+            If the package is not installed, the box has one dimension, or the population is too small.
         """
         if self.own_population:
             budget, population = population * generations, 4 + int(3 * math.log(len(box.lower)))
@@ -87,7 +87,10 @@ class CMAES:
         return state.told(values, optimiser=optimiser)
 
     def _optimiser(self, mean: Floats, population: int, rng: np.random.Generator) -> Any:
-        from cmaes import CMA  # here: only this search needs it
+        try:
+            from cmaes import CMA  # here: only this search needs it
+        except ModuleNotFoundError:
+            raise StudyError("CMA-ES needs the Python package 'cmaes'; install it with pip") from None
 
         bounds = np.tile([0.0, 1.0], (len(mean), 1))
         seed = int(rng.integers(2**31))

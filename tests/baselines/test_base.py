@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from baselines.base import held_still, longest, parts, where_something_moves
+from baselines.base import Deterministic, held_still, longest, parts, where_something_moves
 from baselines.units import dimensionless
 from study.curves import CURVES
 from study.errors import StudyError
@@ -12,7 +12,7 @@ from study.problem import EndCondition, JointLimits, Problem
 SETTINGS = RunSettings("cubic-spline")
 
 
-class Told:
+class Told(Deterministic):
     """A planner that keeps what it was asked, or cannot plan."""
 
     def __init__(self, reason=""):

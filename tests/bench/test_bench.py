@@ -90,7 +90,7 @@ def test_refuses_what_is_no_bench(tmp_path: Path, text: str) -> None:
     (tmp_path / "bench.json").write_text(text)
     with pytest.raises(StudyError, match="bench"):
         read(tmp_path / "bench.json")
-    with pytest.raises(StudyError, match="cannot be read"):
+    with pytest.raises(StudyError, match="does not exist"):
         read(tmp_path / "none.json")
 
 

@@ -245,7 +245,7 @@ def test_report_and_view_before_a_run_say_what_to_do(failing, tmp_path):
             ["run", "--sedes", 3],
             "no such option: --sedes (Possible options: ",
         ),
-        (["plan"], "missing argument 'FILE'; `study plan --help` lists the options"),
+        (["plan"], "missing argument 'FILE...'; `study plan --help` lists the options"),
         (["plann"], "no such command 'plann'"),
         (["run", "--seeds", "x"], "invalid value for '--seeds'"),
         (["store", "merg"], "no such command 'merg'"),

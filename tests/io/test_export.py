@@ -124,8 +124,8 @@ def test_without_a_wish_there_are_neither_two_samples_nor_a_million(duration, ra
     ("name", "rate", "sentence"),
     [
         ("m.mat", 100, "must end in one of .csv, .yaml"),
-        ("m.csv", 0, "must be a positive number of samples per second, got 0"),
-        ("m.csv", np.nan, "positive number"),
+        ("m.csv", 0, "samples per second, must be a positive number, got 0"),
+        ("m.csv", np.nan, "is not a number"),
         ("m.csv", 1e12, "lower the rate"),
     ],
 )

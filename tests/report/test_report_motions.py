@@ -101,7 +101,7 @@ def test_a_judged_total_is_featured_before_a_shorter_one_that_cannot_be_judged(
 
 
 def test_labels_in_the_headline_make_way_for_marks() -> None:
-    near, far, other = Mark(0, 1.3, True), Mark(2, 1.8, True), Mark(3, 1.4, True)
+    near, far, other = Mark(2, 1.3, True), Mark(6, 1.8, True), Mark(3, 1.4, True)
     row = HeadlineRow("case", (near, far, other))
     assert crowded(row, near, (0.25, 4.0), 370.0)
     assert not crowded(row, near, (0.25, 4.0), 1040.0)  # there is room
