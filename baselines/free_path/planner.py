@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from baselines.free_path.interior_point import Ending
 from baselines.free_path.phases import FEWEST, free_path
-from baselines.free_path.question import of
+from baselines.free_path.question import FreePathProblem, of
 from baselines.free_path.reduced import in_tube, lasting
 from study.deadline import Deadline
 from study.demands import Demand, refusal
@@ -36,6 +36,9 @@ KNOWN = RATE_LIMITS | {
 WITHIN = 0.99
 """Part of a tolerance at waypoints that is used where a motion misses it: pieces meet to a few parts in a million of a
 move, which may be more than the judge grants a small tolerance."""
+
+LEAST = 1e-4
+"""Share of the limits that is given up, at least, where a motion breaks one by a hair and cannot be stretched."""
 
 STATUS = {
     Ending.CONVERGED: Status.FINISHED,
@@ -88,14 +91,16 @@ class FreePathPlanner:
             return Plan(Status.NOT_APPLICABLE, message="no joint with a limit moves, so there is no shortest time")
         try:
             answer = free_path(question, self.pieces, deadline, self.freed)
-            feasible = judge(problem, answer.motion).feasible
-            if not feasible and problem.tolerances.any():
-                answer = free_path(of(problem, WITHIN), self.pieces, deadline, self.freed)
-                feasible = judge(problem, answer.motion).feasible
+            verdict = judge(problem, answer.motion)
+            exact = problem.tolerances.any() or not problem.scalable
+            if exact and not (verdict.feasible or deadline.passed()):
+                answer = free_path(_tighter(problem, verdict.worst_ratio), self.pieces, deadline, self.freed)
+                verdict = judge(problem, answer.motion)
         except np.linalg.LinAlgError as error:
             return Plan(Status.FAILED, message=f"interior point: {error}")
-        if not feasible and STATUS[answer.ending] is not Status.FINISHED:
-            return Plan(Status.FAILED, iterations=answer.iterations, message=f"interior point: {answer.ending.value}")
+        if not verdict.feasible and (exact or STATUS[answer.ending] is not Status.FINISHED):
+            said = f"interior point: {answer.ending.value}; {verdict.reasons[0]}"
+            return Plan(Status.FAILED, iterations=answer.iterations, message=said)
         return Plan(
             STATUS[answer.ending],
             motion=answer.motion,
@@ -103,6 +108,13 @@ class FreePathPlanner:
             message=f"interior point: {answer.ending.value}",
             details={"stretch": answer.stretch, "pieces": float(answer.pieces)},
         )
+
+
+def _tighter(problem: Problem, ratio: float) -> FreePathProblem:
+    """The question with a little less room, for an answer that missed by a hair and may not be stretched."""
+    question = of(problem, WITHIN)
+    share = 1.0 / (1.0 + max(2.0 * (ratio - 1.0), LEAST)) if ratio > 1.0 else 1.0
+    return replace(question, lower=share * question.lower, upper=share * question.upper)
 
 
 FIRST = FreePathPlanner(

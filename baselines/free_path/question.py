@@ -69,10 +69,14 @@ class FreePathProblem:
 
     @property
     def kinds(self) -> Integers:
-        """Highest limited rate by joint, shape (n_joints,): 3 jerk, 2 acceleration, 1 velocity, 0 none or still."""
+        """Highest limited rate by joint, shape (n_joints,): 3 jerk, 2 acceleration, 1 velocity, 0 none or still.
+
+        A joint between equal waypoints moves where an end gives it a rate.
+        """
         limited = np.isfinite(np.minimum(-self.lower, self.upper)).any(axis=1)
         highest = (limited * np.arange(1, 4)[:, None]).max(axis=0)
-        return np.where(np.ptp(self.waypoints, axis=0) > floors(self.waypoints), highest, 0)
+        pushed = np.nan_to_num([self.start, self.end]).any(axis=(0, 1))
+        return np.where(pushed | (np.ptp(self.waypoints, axis=0) > floors(self.waypoints)), highest, 0)
 
     @property
     def scalable(self) -> bool:

@@ -11,6 +11,7 @@ from study import EndCondition, JointLimits, Problem, judge
 from study.planning import RunSettings, Status
 from study.problem import State, Timing, Tube
 from study.registry import planner_named
+from study.testing.stress import FEASIBLE, Attempt, endure
 from tests.helpers.reference_problems import INF
 
 SETTINGS = RunSettings("cubic-spline", time_limit=60.0)
@@ -163,3 +164,17 @@ def test_too_short_a_duration_between_moving_ends_is_a_reason():
     plan = FreePathPlanner().plan(problem, SETTINGS)
     assert plan.status is Status.FAILED
     assert "longer than the 1 s it must take" in plan.message
+
+
+@pytest.mark.parametrize("jerk", [np.inf, 10.0])
+def test_a_joint_between_equal_waypoints_moves_where_the_start_pushes_it(jerk):
+    limits = JointLimits(np.ones(2), 2 * np.ones(2), np.full(2, jerk))
+    start = State(velocity=np.array([0.2, 0.1]))
+    problem = Problem("pushed", np.array([[0.0, 0.3], [1.0, 0.3], [0.5, 0.3]]), limits, start=start)
+    motion = FreePathPlanner().plan(problem, SETTINGS).motion
+    assert judge(problem, motion).feasible
+    assert motion(np.zeros(1), 1)[0, 1] == pytest.approx(0.1)
+
+
+def test_a_motion_that_misses_a_limit_by_a_hair_is_planned_again_with_less_room():
+    assert endure(Attempt("free-path", 18, 434, 20.0)).kind == FEASIBLE
