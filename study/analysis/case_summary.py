@@ -15,7 +15,7 @@ from study.analysis.methods import Kind, MethodSummary, bound_of, lower_bound
 from study.analysis.published import published_methods
 from study.bounds import Method, is_stochastic
 from study.cases.library import Case
-from study.cases.obstacles import driving
+from study.cases.obstacles import DRIVEN, driving
 from study.cases.papers import paper_of
 from study.curves import CURVES
 from study.errors import StudyError
@@ -65,6 +65,10 @@ class CaseSummary:
             for label, run in runs.items()
             if run is not None and run.motion is not None and run.verdict is not None
         }
+
+    def clear(self, method: MethodSummary) -> bool:
+        """Whether nothing speaks against driving the method's motion but what its feasibility says."""
+        return not (method.feasible and self.driving.get(method.label, "").startswith(DRIVEN[False]))
 
     @cached_property
     def rungs(self) -> tuple[Rung, ...]:

@@ -140,6 +140,9 @@ def reasons(summary: CaseSummary) -> Iterator[str]:
             named.setdefault(method.reason, []).append(method.label)
     for reason, labels in named.items():
         yield f"{', '.join(labels)}: {reason}"
+    for method in summary.whole:
+        if not summary.clear(method):
+            yield f"{method.label}: {summary.driving[method.label]}"
 
 
 def _apart(summary: CaseSummary) -> Iterator[str]:

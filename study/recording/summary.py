@@ -215,7 +215,10 @@ def _winner(contents: Contents) -> str:
     feasible = [method for method in contents.methods if method.feasible]
     if not feasible:
         return "**No method is feasible.**"
-    return f"**Fastest feasible: {plain(feasible[0].label)}, {seconds(feasible[0].duration)}.**"
+    clear = [method for method in feasible if contents.summary.clear(method)]
+    if not clear:
+        return "**No motion may be driven: every feasible one touches something, or is not proved not to.**"
+    return f"**Fastest that may be driven: {plain(clear[0].label)}, {seconds(clear[0].duration)}.**"
 
 
 def _key(scene: str) -> str:

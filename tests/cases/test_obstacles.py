@@ -13,9 +13,11 @@ from study.cases import obstacles
 from study.cases.library import load_case
 from study.cases.obstacles import may_be_driven, nearest
 from study.cli.check import report_verdict
+from study.cli.terminal import reasons
 from study.pathfinding.world import segment_distances
 from study.planning import RunSettings
-from study.recording.summary import _row, plain
+from study.recording.contents import Contents
+from study.recording.summary import _row, _winner, plain
 from study.report.tables import RESULTS, records
 from study.robots import robot_named
 from study.runs.execute import CellJob
@@ -135,3 +137,7 @@ def test_terminal_report_and_recording_say_the_same_of_a_motion(arm, clear):
     assert report_verdict(case, method.motion, console) is clear
     text = console.export_text()
     assert all(part in text for part in said.split(": "))
+    assert summary.clear(method) is clear
+    assert (f"ruckig-stops: {said}" in [*reasons(summary)]) is not clear
+    headline = _winner(Contents(summary, (), 1.0, 2))
+    assert ("Fastest that may be driven" if clear else "No motion may be driven") in headline
