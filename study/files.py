@@ -125,10 +125,18 @@ def write_file(path: Path, content: str | bytes, overwrite: bool = True) -> Path
     return path
 
 
-def csv_text(rows: Iterable[Iterable[object]]) -> str:
-    """Write rows as CSV; text that a spreadsheet would take for a formula begins with an apostrophe."""
+def csv_text(rows: Iterable[Iterable[object]], quoted: str = "") -> str:
+    """Write rows as CSV; text that a spreadsheet would take for a formula begins with an apostrophe.
+
+    The words of a row in which one of the characters `quoted` stands are put between quotation marks.
+    """
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([harmless(cell) for cell in row] for row in rows)
+    usual = csv.writer(text, lineterminator="\n")
+    careful = csv.writer(text, lineterminator="\n", quoting=csv.QUOTE_NONNUMERIC)
+    for row in rows:
+        cells = [harmless(cell) for cell in row]
+        special = bool(quoted) and any(mark in str(cell) for cell in cells for mark in quoted)
+        (careful if special else usual).writerow(cells)
     return text.getvalue()
 
 

@@ -117,7 +117,7 @@ def points_of(motion: Motion, problem: Problem, times: Floats) -> Samples:
     problem : Problem
     times : array of shape (n_samples,), s
     """
-    rates = [_zeroed(motion(times, order)) for order in (1, 2)]
+    rates = [_rates(motion, times, order) for order in (1, 2)]
     smooth = [_continuous(motion, order, rate) for order, rate in enumerate(rates, start=1)]
     return Samples(
         positions=motion(times),
@@ -133,8 +133,10 @@ def _continuous(motion: Motion, order: int, values: Floats) -> bool:
     return bool(np.abs(motion.jumps(order)).max(initial=0.0) <= STEP * max(1.0, float(np.abs(values).max())))
 
 
-def _zeroed(values: Floats) -> Floats:
-    small = np.abs(values) <= SMALLEST * np.abs(values).max(initial=0.0)
+def _rates(motion: Motion, times: Floats, order: int) -> Floats:
+    """Rates at some instants, exactly zero at both ends where rounding is all that is there."""
+    values = motion(times, order)
+    small = np.abs(values) <= SMALLEST * motion.extrema(order).peak.max()
     small[1:-1] = False
     return np.where(small, 0.0, values)
 
@@ -159,7 +161,7 @@ def samples_text(samples: Samples, motion: Motion, problem: Problem) -> str:
     kinds = ("", "velocity of ", "acceleration of ")[: len(columns)]
     header = ["time", *(f"{kind}{name}" for kind in kinds for name in samples.names)]
     table = np.column_stack([np.asarray(samples.times), *columns])
-    return csv_text([header, *([repr(value) for value in row] for row in table.tolist())])
+    return csv_text([header, *([repr(value) for value in row] for row in table.tolist())], quoted=";\t")
 
 
 def npz_bytes(samples: Samples, motion: Motion, problem: Problem) -> bytes:
@@ -172,8 +174,8 @@ def npz_bytes(samples: Samples, motion: Motion, problem: Problem) -> bytes:
         allow_pickle=False,
         time=times,
         position=samples.positions,
-        velocity=_zeroed(motion(times, 1)),
-        acceleration=_zeroed(motion(times, 2)),
+        velocity=_rates(motion, times, 1),
+        acceleration=_rates(motion, times, 2),
         jerk=motion(times, 3),
         joint_names=np.array(problem.joint_names),
         waypoints=problem.waypoints,

@@ -15,7 +15,7 @@ from study.io.recordings import read_samples
 from study.io.sampled import joined
 from study.io.sampling import Sampling
 from study.parametric import ParametricTrajectory
-from study.problem import Timing
+from study.problem import EndCondition, Timing
 from study.trajectory import Trajectory
 
 CHEAP = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -62,14 +62,15 @@ def check_samples(tmp_path, problem, sampling, form):
     scale = np.abs(problem.waypoints).max()
     np.testing.assert_allclose(back.positions, motion(back.times), rtol=0, atol=1e-13 * scale)
     for order, rate in enumerate(back.rates, start=1):
-        np.testing.assert_allclose(rate, motion(back.times, order), rtol=1e-12, atol=1e-7 * np.abs(rate).max())
-        assert not rate[[0, -1]].any()
+        room = 1e-7 * motion.extrema(order).peak.max()
+        np.testing.assert_allclose(rate, motion(back.times, order), rtol=1e-12, atol=room)
+        assert (order > 1 and problem.end is EndCondition.REST) or not rate[[0, -1]].any()
     if sampling.points is not None:
         assert len(back.times) == sampling.points
     cycle = problem.timing.cycle if problem.timing else None
     if cycle is not None and sampling == Sampling():
         assert np.diff(back.times) == pytest.approx(cycle, abs=2e-9)
-    elif sampling == Sampling():
+    elif sampling == Sampling() and form != ".npz":  # of which `check` reads the exact coefficients
         again = joined(back, problem, "file").trajectory
         assert judge(with_room(problem, 1e-3), again).feasible
         times = np.linspace(0, motion.duration, 301)
@@ -156,3 +157,10 @@ def test_points_that_no_arm_can_follow_are_refused_unless_accepted():
     points = controller_points(motion, problem, accept_unbounded_acceleration=True)
     assert points.velocities is None
     assert points.positions[-1] == 0.5
+
+
+@pytest.mark.parametrize("sampling", [Sampling(), Sampling(points=2)])
+@pytest.mark.parametrize("name", ["a;b", "c\td", "0"])
+def test_two_points_at_rest_and_names_with_separators_come_back(tmp_path, sampling, name):
+    problem = Problem("any", np.array([[-1.9], [1.3]]), JointLimits([1.2], [1.3], [33.7]), joint_names=(name,))
+    check_samples(tmp_path, problem, sampling, ".csv")
