@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack, redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass
 from functools import cache
+from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 
@@ -378,7 +379,10 @@ READERS: dict[str, tuple[Callable[[], dict[str, bytes]], Callable[[Path], object
         as_limits,
     ),
     "urdf": (
-        _texts(a_urdf=URDF.replace('"turn"', '"elbow"').replace('"spin"', '"wrist"'), b_urdf=XACRO, c_xacro=XACRO),
+        _texts(
+            a_urdf=URDF.replace('"turn"', '"elbow"').replace('"spin"', '"wrist"'),
+            **({"b_urdf": XACRO, "c_xacro": XACRO} if find_spec("xacro") else {}),
+        ),
         as_robot,
     ),
     "srdf": (_texts(a_srdf=SRDF), checking(limits="l.yaml")),
