@@ -59,6 +59,7 @@ def misread(path):
 
 def test_every_kind_of_failure_is_counted_and_its_first_input_kept(tmp_path, monkeypatch):
     monkeypatch.setattr(command, "SLOW", 0.05)
+    monkeypatch.setattr(command, "MEMORY", 10**12)  # other tests may have taken much in this process
     monkeypatch.setattr(command, "target", lambda name: Target({}, misread, {}))
     fuzzer = command.Fuzzer("misread", tmp_path / "kept")
     (tmp_path / "kept").mkdir()
