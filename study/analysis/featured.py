@@ -90,6 +90,13 @@ class Featured:
         known = [method for method in (self.optimiser, self.search, self.modern) if method is not None]
         return next((method for method in known if method.feasible), None)
 
+    def behind(self, method: MethodSummary) -> float | None:
+        """Median over that of the reference, minus one; None for the reference itself, and where one has no feasible run."""
+        known = self.reference
+        if known is None or method is known or not (method.median and known.median):
+            return None
+        return method.median / known.median - 1.0
+
 
 def is_metaheuristic(method: MethodSummary) -> bool:
     """Tell metaheuristics from trivial and local searches."""

@@ -13,7 +13,7 @@ from study.bench import wording
 from study.bench.measuring import Limit, Ratio
 from study.bench.parts import PARTS, measured
 from study.bench.run import measure, write
-from study.cli.screen import make_console
+from study.cli.screen import fitted, make_console
 from study.cli.shared import DEFAULT_OUT
 
 
@@ -47,14 +47,9 @@ def bench(
 def _print_part(name: str, seed: int, console: Console) -> None:
     with console.status("measuring") as status:
         part = measured(name, seed, lambda problem: status.update(f"measuring: {problem}"))
-    table = Table(title=part.title, title_justify="left", header_style="bold")
-    for number, text in enumerate(part.head):
-        table.add_column(text, justify="right" if number else "left")
-    for row in part.rows:
-        table.add_row(*row)
-    console.print(table)
+    console.print(fitted(console, part.title, part.head, part.rows, left=part.head[:1], wraps=part.head[:1]))
     for sentence in part.sentences:
-        console.print(sentence, soft_wrap=True, highlight=False)
+        console.print(sentence)
 
 
 def _table(topic: str, rows: list[Ratio | Limit]) -> Table:

@@ -84,10 +84,9 @@ def answer_table(console: Console, summaries: Sequence[CaseSummary]) -> Table:
         cells: list[str | Text] = [summary.case.name + " †" * best.velocity_only]
         for role in IN_ORDER:
             method = getattr(best, role)
-            plain = best.reference
             text = figures(method.duration) if method is not None else DASH
-            if method is not None and plain is not None and method is not plain and method.median and plain.median:
-                text += f"\n{percent(method.median / plain.median - 1.0)}"
+            if method is not None and (behind := best.behind(method)) is not None:
+                text += f"\n{percent(behind)}"
             cells.append(text)
         rows.append(cells)
     marked = "†: limits velocity only, so off its curve a motion may change its speed in an instant."
@@ -147,11 +146,9 @@ def reasons(summary: CaseSummary) -> Iterator[str]:
 
 def _apart(summary: CaseSummary) -> Iterator[str]:
     """Lines that tell the searches apart, each with its time against the optimum, its evaluations and its wall time."""
-    reference = summary.best.reference
     for role, method in summary.best.on_the_curve():
-        against = ""
-        if method.median and reference and reference.median and method is not reference:
-            against = f" ({percent(method.median / reference.median - 1)})"
+        behind = summary.best.behind(method)
+        against = "" if behind is None else f" ({percent(behind)})"
         spent = f"{method.evaluations:,} evaluations, " if method.kind is Kind.SEARCH else ""
         yield f"{role}: {method.label}, {seconds(method.duration)}{against}, {spent}{wall(method.wall_time)}"
     if text := end_steps(summary):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from study.analysis.case_summary import CaseSummary
 from study.analysis.ends import end_steps
-from study.analysis.featured import ROLE_NAMES, SEARCHES
+from study.analysis.featured import ROLE_NAMES, SEARCHES, Featured
 from study.analysis.formatting import DASH, count, percent, seconds, wall
 from study.analysis.methods import Kind, MethodSummary, lower_bound
 from study.analysis.sentences import answer
@@ -35,13 +35,13 @@ def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 def _row_on_curve(summary: CaseSummary) -> list[str]:
     best, step = summary.best, " ‡" * bool(end_steps(summary))
-    cells = [_time(getattr(best, role), best.reference) + _price(getattr(best, role)) for role in ON_CURVE]
+    cells = [_time(getattr(best, role), best) + _price(getattr(best, role)) for role in ON_CURVE]
     cells[-1] = cells[-1].replace(" s ", f" s{step} ", 1)
     return [_name(summary), *cells]
 
 
 def _row_off_curve(summary: CaseSummary) -> list[str]:
-    times = [_time(getattr(summary.best, role), summary.best.reference) for role in OFF_CURVE]
+    times = [_time(getattr(summary.best, role), summary.best) for role in OFF_CURVE]
     return [_name(summary), *times, seconds(lower_bound(summary.methods))]
 
 
@@ -57,15 +57,14 @@ def _price(method: MethodSummary | None) -> str:
     return f"<br>{spent}{wall(method.wall_time)}"
 
 
-def _time(method: MethodSummary | None, reference: MethodSummary | None) -> str:
+def _time(method: MethodSummary | None, best: Featured) -> str:
     if method is None:
         return DASH
     name = "" if method.kind is Kind.PUBLISHED else f" `{method.planner}`"
     if not method.feasible:
         return f"{seconds(method.duration)}{name}, {'not judged' if method.motion is None else 'breaks a limit'}"
-    if reference is None or method is reference or not (method.median and reference.median):
-        return seconds(method.duration) + name
-    return f"{seconds(method.duration)}{name} ({percent(method.median / reference.median - 1.0)})"
+    behind = best.behind(method)
+    return f"{seconds(method.duration)}{name}" + ("" if behind is None else f" ({percent(behind)})")
 
 
 def put(path: Path, text: str, name: str = "answer") -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from study.store.maintenance import verify
 from tests.conftest import command
+from tests.helpers.disks import mounted
 
 pytestmark = pytest.mark.slow
 RUN = ("run", "--cases", "woodworking", "--planners", "ruckig-stops,toppra", "--seeds", 1, "--no-report", "--jobs", 1)
@@ -16,15 +17,7 @@ RUN = ("run", "--cases", "woodworking", "--planners", "ruckig-stops,toppra", "--
 @pytest.fixture
 def disk(tmp_path):
     """A file system of a megabyte."""
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    mounted = shutil.which("mount") and subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", "size=1m", "none", str(folder)], capture_output=True, check=False
-    )
-    if not mounted or mounted.returncode:
-        pytest.skip("mounting is not allowed here")
-    yield folder
-    subprocess.run(["umount", "-l", str(folder)], check=True)
+    yield from mounted(tmp_path / "disk", "1m")
 
 
 def sentence(ended):

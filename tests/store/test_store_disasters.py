@@ -1,5 +1,4 @@
 import os
-import shutil
 import sqlite3
 import subprocess
 import sys
@@ -15,6 +14,7 @@ from study.store.codec import checksum
 from study.store.maintenance import compact, export_columns, merge, tallies, verify
 from study.store.row import CHECKED, SEALED, Row, row_digest
 from study.store.store import Store
+from tests.helpers.disks import mounted
 from tests.helpers.stores import change, with_jobs
 
 ROOT = Path(__file__).parents[2]
@@ -72,15 +72,7 @@ def test_a_file_that_may_not_grow_is_one_sentence_and_keeps_all_that_was_stored(
 @pytest.fixture
 def small_disk(tmp_path):
     """A file system of half a megabyte."""
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    mounted = shutil.which("mount") and subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", "size=512k", "none", str(folder)], capture_output=True, check=False
-    )
-    if not mounted or mounted.returncode:
-        pytest.skip("mounting is not allowed here")
-    yield folder
-    subprocess.run(["umount", "-l", str(folder)], check=True)
+    yield from mounted(tmp_path / "disk", "512k")
 
 
 def test_a_full_disk_is_one_sentence_and_keeps_all_that_was_stored(small_disk, stubs):
