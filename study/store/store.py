@@ -52,7 +52,8 @@ class Store:
         self.path = path
         with ExitStack() as held:
             self._connection = held.enter_context(writing(path) if write else reading(path))
-            self._file = path.stat().st_ino
+            self._file = self._identity()
+            self.check_place()
             self._held = held.pop_all()
 
     def __enter__(self) -> Store:
@@ -79,12 +80,15 @@ class Store:
         StudyError
             If it was deleted or replaced.
         """
-        try:
-            there = self.path.stat().st_ino == self._file
-        except OSError:
-            there = False
-        if not there:
+        if self._file is None or self._identity() != self._file:
             raise StudyError(f"results file {self.path} was deleted or replaced while it was in use; run again")
+
+    def _identity(self) -> int | None:
+        """Number of the file that has the store's name now; None if there is none."""
+        try:
+            return self.path.stat().st_ino
+        except OSError:
+            return None
 
     def add(self, *outcomes: tuple[Keepable[T], T], replace: bool = False) -> None:
         """Keep outcomes, all of them or, on failure, none.

@@ -2,7 +2,7 @@ import os
 import sqlite3
 import subprocess
 import sys
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +11,7 @@ import pytest
 from study.errors import StudyError
 from study.runs.execute import stored_results
 from study.store.codec import checksum
+from study.store.file import writing
 from study.store.maintenance import compact, export_columns, merge, tallies, verify
 from study.store.row import CHECKED, SEALED, Row, row_digest
 from study.store.store import Store
@@ -140,6 +141,18 @@ def test_a_deleted_file_is_said_at_the_next_result_and_at_the_end(filled, result
         with pytest.raises(StudyError, match="was deleted or replaced"):
             store.note("a", 1)
         store._file = filled.stat().st_ino
+
+
+def test_a_file_that_goes_away_while_it_is_opened_is_said(filled, monkeypatch):
+    @contextmanager
+    def leaving(path):
+        with writing(path) as connection:
+            path.unlink()
+            yield connection
+
+    monkeypatch.setattr("study.store.store.writing", leaving)
+    with pytest.raises(StudyError, match="was deleted or replaced"):
+        Store(filled)
 
 
 READERS = {
