@@ -86,15 +86,16 @@ def free_path(
     held, spent = np.zeros((question.n_segments, question.n_joints), dtype=bool), 0
     for _ in range(ROUNDS):
         model, first = _first_phase(question, pieces, held, begin, deadline)
-        outcome = first
+        outcomes = [first]
         if first.ending is not Ending.LATE:
-            outcome = _freed(model, first, deadline) if freed else _finished(model, first, deadline)
+            outcomes += _freed(model, first, deadline) if freed else [_finished(model, first, deadline)]
+        outcome = outcomes[-1]
         spent += outcome.iterations
         outside = leaves_range(model, outcome.state.point, -OUTSIDE)
         if not outside.any() or outcome.ending is Ending.LATE:
             break
         held, begin = held | _with_neighbours(outside), outcome.state.point
-    return _answer(model, outcome, first.state.point, spent)
+    return _answer(model, outcomes, spent)
 
 
 def _first_phase(
@@ -167,21 +168,23 @@ def _finished(model: Model, first: Outcome, deadline: Deadline) -> Outcome:
     return replace(last, iterations=first.iterations + last.iterations)
 
 
-def _freed(model: Model, first: Outcome, deadline: Deadline) -> Outcome:
-    """Free the widths, then fix them where they came to be."""
+def _freed(model: Model, first: Outcome, deadline: Deadline) -> list[Outcome]:
+    """Free the widths, then fix them where they came to be; with the state between where that does not converge."""
     _, freeing, finishing = _goals(deadline)
     frame = frame_of(model, True, first.state.point.widths)
     second = solve(frame, resumed(frame, first.state, 1e-3), freeing)
     widths = np.maximum(second.state.point.widths, 1e-12)
     frame = frame_of(model, False, widths / widths.sum(axis=2, keepdims=True))
     third = solve(frame, resumed(frame, second.state, 1e-7), finishing)
-    return replace(third, iterations=first.iterations + second.iterations + third.iterations)
+    third = replace(third, iterations=first.iterations + second.iterations + third.iterations)
+    return [second, third] if third.ending is not Ending.CONVERGED and model.question.scalable else [third]
 
 
-def _answer(model: Model, outcome: Outcome, first: Point, iterations: int) -> Answer:
-    """Close the equations and slow to the limits; of the last, the first and a late one's spline, the fastest."""
-    points = [outcome.state.point] if first is outcome.state.point else [outcome.state.point, first]
-    if outcome.ending is Ending.LATE and model.question.scalable:
+def _answer(model: Model, outcomes: list[Outcome], iterations: int) -> Answer:
+    """Close the equations and slow to the limits; of the phases' motions and a late one's spline, the fastest."""
+    last = outcomes[-1]
+    points = [outcome.state.point for outcome in reversed(outcomes)]
+    if last.ending is Ending.LATE and model.question.scalable:
         shares = graded(model)
         points.append(spline_start(model, shares, points[0].durations * model.tau))
         points.append(spline_start(model, shares, swelling(model)))
@@ -191,4 +194,5 @@ def _answer(model: Model, outcome: Outcome, first: Point, iterations: int) -> An
     outside = [bool(leaves_range(model, point, -OUTSIDE).any()) for point in candidates]
     best = min(range(len(candidates)), key=lambda k: (outside[k], times[k]))
     motion, factor = realise(model, candidates[best]), factors[best]
-    return Answer(motion.scaled(factor) if factor > 1 else motion, outcome.ending, iterations, model.pieces, factor)
+    ending = last.ending if last.ending is Ending.LATE else outcomes[-1 - best].ending
+    return Answer(motion.scaled(factor) if factor > 1 else motion, ending, iterations, model.pieces, factor)
