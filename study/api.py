@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, replace
-from functools import cached_property
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from study.answers import Comparison, Planned, jerky, rank, single_move, stops_everywhere
 from study.arrays import of_kind, short, whole
-from study.cautions import cautions, unbounded_joints
+from study.cautions import unbounded_joints
 from study.errors import StudyError
-from study.files import named
-from study.io.export import controller_points, write_motion
-from study.io.samples import Samples
-from study.io.sampling import Sampling
-from study.judge import Verdict
-from study.path_findings import largest_deviation
-from study.planning import RATE_LIMITS, RunSettings, Status, usual_settings
-from study.problem import Demand, EndCondition, Problem, State
+from study.planning import RunSettings, usual_settings
+from study.problem import Problem, State
 from study.registry import planner_about, planner_named, planner_names
 from study.runs.execute import CellJob
 from study.runs.pool import WorkerDied, WorkerPool
@@ -58,195 +51,6 @@ TIERS = {
 }
 """Ways to let `plan` choose planners by itself."""
 
-STILL = 1e-9
-"""Share of a joint's largest speed below which the joint stands still."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Planned:
-    """Answer of `plan`.
-
-    Attributes
-    ----------
-    problem : Problem
-    result : Result
-        The fastest feasible motion of all that were tried, else the one that breaks the limits least.
-    tried : tuple of (str, str, Result)
-        Planners in the order in which they ran, how each works, and its result.
-    tier : str
-        The tier that was asked for; empty where it was a planner.
-    """
-
-    problem: Problem
-    result: Result
-    tried: tuple[tuple[str, str, Result], ...]
-    tier: str = ""
-
-    @property
-    def planner(self) -> str:
-        """Name of the planner whose answer it is."""
-        return self.result.cell.planner
-
-    @property
-    def why(self) -> str:
-        """Reason why this motion is the answer, and why it stops at every waypoint where it does."""
-        if not self.tier:
-            lead = "it was asked for"
-        elif not self.feasible:
-            return "no motion keeps the limits, and this one breaks them least"
-        elif self.planner in DIRECT and _single_move(self.problem):
-            lead = "no move from rest to rest is faster"
-        elif self.tier == "fast":
-            lead = "the first feasible motion"
-        else:
-            count = sum(not _reason(result) for _, _, result in self.tried)
-            lead = (
-                f"the fastest of {count} feasible motions" if count > 1 else "the only feasible motion that was found"
-            )
-        about = next((about for name, about, _ in self.tried if name == self.planner), "")
-        return f"{lead}: {about}{self._stopping}"
-
-    @property
-    def _stopping(self) -> str:
-        if not (self.feasible and _stops_everywhere(self.problem, self.motion)):
-            return ""
-        others = [f"{name}: {reason}" for name, _, result in self.tried if (reason := _reason(result))]
-        return f"; it stops at every waypoint, because {'; '.join(others) or 'nothing that was tried is faster'}"
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Sentences to be read before the motion is driven: missing limits, and time limits that were reached."""
-        late = [f"{n}: {r.message or r.status.value}" for n, _, r in self.tried if r.status is Status.TIMED_OUT]
-        return (*cautions(self.problem), *late)
-
-    def __repr__(self) -> str:
-        end = (
-            f"{self.duration:.6g} s by {self.planner}, feasible, at most {self.deviation:.4g} from the straight lines"
-            if self.feasible
-            else f"no feasible motion: {self.reason}"
-        )
-        tried = ", ".join(name for name, _, _ in self.tried)
-        warned = "; ".join(self.warnings) or "none"
-        return f"Planned {self.problem.name!r}: {end}\ntried: {tried}\nwarnings: {warned}"
-
-    @property
-    def feasible(self) -> bool:
-        """True where the judge passed the motion."""
-        return self.result.verdict is not None and self.result.verdict.feasible
-
-    @property
-    def motion(self) -> Motion:
-        """The motion, feasible or not.
-
-        Raises
-        ------
-        StudyError
-            If no planner gave one.
-        """
-        if self.result.motion is None:
-            raise StudyError(f"case {self.problem.name!r}: {self.reason}")
-        return self.result.motion
-
-    @property
-    def verdict(self) -> Verdict:
-        """Verdict of the judge.
-
-        Raises
-        ------
-        StudyError
-            If there is no motion to judge.
-        """
-        if self.result.verdict is None:
-            raise StudyError(f"case {self.problem.name!r}: {self.reason}")
-        return self.result.verdict
-
-    @property
-    def duration(self) -> float:
-        """Total time, s; infinite where there is no feasible motion."""
-        return self.verdict.duration if self.feasible else np.inf
-
-    @cached_property
-    def deviation(self) -> float:
-        """Largest distance of any joint from the straight lines between waypoints, rad or m.
-
-        Raises
-        ------
-        StudyError
-            If there is no motion.
-        """
-        return largest_deviation(self.problem, self.motion)
-
-    @property
-    def reason(self) -> str:
-        """Why there is no feasible motion, one sentence; empty where there is one."""
-        return _reason(self.result)
-
-    def points(
-        self,
-        rate: float | None = None,
-        points: int | None = None,
-        *,
-        accept_unbounded_acceleration: bool = False,
-    ) -> Samples:
-        """Points for a controller object: names, times and rates; see `study.io.export.controller_points`.
-
-        Raises
-        ------
-        StudyError
-            If a joint that moves has no acceleration limit and that is not accepted, or rate or number are impossible.
-        """
-        accepted = of_kind(accept_unbounded_acceleration, bool, "accept_unbounded_acceleration")
-        return controller_points(
-            self.motion, self.problem, Sampling(rate, points), accept_unbounded_acceleration=accepted
-        )
-
-    def write(
-        self,
-        path: str | Path,
-        rate: float | None = None,
-        points: int | None = None,
-        *,
-        accept_unbounded_acceleration: bool = False,
-    ) -> Path:
-        """Write the motion in the form that the file's name asks for; see `study.io.export.write_motion`.
-
-        Raises
-        ------
-        StudyError
-            If the file cannot be written, or a joint that moves has no acceleration limit and that is not accepted.
-        """
-        accepted, sampling = accept_unbounded_acceleration, Sampling(rate, points)
-        of_kind(accepted, bool, "accept_unbounded_acceleration")
-        return write_motion(self.motion, self.problem, named(path), sampling, accept_unbounded_acceleration=accepted)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Comparison:
-    """Answer of `compare`: one result for each planner and seed, feasible ones first, then by duration."""
-
-    problem: Problem
-    results: tuple[Result, ...]
-
-    @property
-    def best(self) -> Result | None:
-        """Fastest feasible result; None where there is none."""
-        first = self.results[0]
-        return first if first.verdict is not None and first.verdict.feasible else None
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Sentences to be read before any of the motions is driven."""
-        return cautions(self.problem)
-
-    def __str__(self) -> str:
-        return "\n".join([*self.warnings, *_lines(self.results)])
-
-    def __repr__(self) -> str:
-        count, best = sum(not _reason(result) for result in self.results), self.best
-        fastest = f"{best.cell.label}, {_duration(best):.6g} s" if best else "none"
-        lead = f"Comparison on {self.problem.name!r}: {len(self.results)} runs, {count} feasible"
-        return f"{lead}\nfastest feasible: {fastest}\nwarnings: {'; '.join(self.warnings) or 'none'}"
-
 
 def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None = None) -> Planned:
     """Plan one motion through the waypoints and have it judged.
@@ -277,7 +81,7 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
     stages = _stages(problem, planner) if planner in TIERS else [(planner,)]
     planned = _planned(problem, stages[0], settings)
     for names in stages[1:]:
-        if planned.feasible and not _stops_everywhere(problem, planned.motion):
+        if planned.feasible and not stops_everywhere(problem, planned.motion):
             break
         planned = _planned(problem, names, settings, planned.tried)
     return replace(planned, tier=planner if planner in TIERS else "")
@@ -356,21 +160,11 @@ def onward(problem: Problem, motion: Motion, time: float, waypoints: ArrayLike) 
 
 def _stages(problem: Problem, tier: str) -> list[tuple[str, ...]]:
     """Planners of a tier, in parts of which the next is run only where those before find nothing but stops."""
-    direct = [DIRECT] if _single_move(problem) else []
+    direct = [DIRECT] if single_move(problem) else []
     if tier == "fast" and automatic(problem) != AUTO_UNBOUNDED:
-        quick = FAST[_jerky(problem) :] if problem.path is None else automatic(problem)
+        quick = FAST[jerky(problem) :] if problem.path is None else automatic(problem)
         return [*direct, *((name,) for name in quick)]
     return [*direct, automatic(problem), AUTO_RESERVE]
-
-
-def _single_move(problem: Problem) -> bool:
-    """Whether the problem is one move from rest to rest with nothing else to keep, whose optimum has a closed form."""
-    smooth = problem.end is EndCondition.SMOOTH or (problem.end is EndCondition.REST and not _jerky(problem))
-    return problem.n_waypoints == 2 and smooth and problem.planner_demands <= RATE_LIMITS | {Demand.POSITION_RANGE}
-
-
-def _jerky(problem: Problem) -> bool:
-    return bool(np.isfinite(problem.limits.jerk).any())
 
 
 def _planned(
@@ -378,7 +172,7 @@ def _planned(
 ) -> Planned:
     """Run planners and keep the best motion of all, those that ran before among them."""
     tried = (*before, *((name, planner_about(name), _run(problem, name, settings)) for name in names))
-    return Planned(problem, min((result for _, _, result in tried), key=_rank), tried)
+    return Planned(problem, min((result for _, _, result in tried), key=rank), tried)
 
 
 def automatic(problem: Problem) -> tuple[str, ...]:
@@ -387,15 +181,7 @@ def automatic(problem: Problem) -> tuple[str, ...]:
         return AUTO_ON_LINES
     if unbounded_joints(problem)[problem.moving].all():
         return AUTO_UNBOUNDED
-    return AUTO if _jerky(problem) else AUTO_WITHOUT_JERK
-
-
-def _stops_everywhere(problem: Problem, motion: Motion) -> bool:
-    """Tell if a motion rests at every waypoint between the ends."""
-    if problem.n_waypoints < 3:
-        return False
-    speeds = np.abs(motion(motion.waypoint_times[1:-1], 1))
-    return bool((speeds <= STILL * motion.extrema(1).peak).all())
+    return AUTO if jerky(problem) else AUTO_WITHOUT_JERK
 
 
 def compare(
@@ -425,7 +211,7 @@ def compare(
     results = [
         _run(problem, name, replace(settings, seed=settings.seed + k)) for name in planners for k in _seeds(name, seeds)
     ]
-    return Comparison(problem, tuple(sorted(results, key=_rank)))
+    return Comparison(problem, tuple(sorted(results, key=rank)))
 
 
 def _seeds(name: str, seeds: int) -> range:
@@ -439,30 +225,3 @@ def _seeds(name: str, seeds: int) -> range:
 
 def _run(problem: Problem, name: str, settings: RunSettings) -> Result:
     return CellJob(Cell(problem.name, name, name, settings), problem).run()
-
-
-def _duration(result: Result) -> float:
-    return np.inf if result.verdict is None else result.verdict.duration
-
-
-def _reason(result: Result) -> str:
-    """Why a result is not a feasible motion; empty where it is one."""
-    if result.verdict is None:
-        return result.message or result.status.value
-    return "; ".join(result.verdict.reasons)
-
-
-def _rank(result: Result) -> tuple[bool, float, float]:
-    verdict = result.verdict
-    if verdict is None:
-        return True, np.inf, np.inf
-    return not verdict.feasible, 0.0 if verdict.feasible else verdict.violation, verdict.duration
-
-
-def _lines(results: Sequence[Result]) -> Iterator[str]:
-    width = max(len(result.cell.label) for result in results)
-    for result in results:
-        duration = "" if result.verdict is None else f"{result.verdict.duration:.5g} s"
-        seed = f"seed {result.cell.settings.seed}" if result.evaluations else ""
-        said = _reason(result) or "feasible"
-        yield f"{result.cell.label:<{width}}  {duration:>12}  {seed:<8}  {said}".rstrip()

@@ -122,6 +122,30 @@ def test_the_package_passes_the_conformance_tests(outside, tmp_path):
     assert "3 passed" in run(["-m", "pytest", "-q", "-p", "no:cacheprovider", copy], tmp_path, outside)
 
 
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("name", sorted(path.name for path in EXAMPLES.glob("*.ipynb")))
+def test_every_cell_of_a_notebook_runs_and_shows_something(name, tmp_path, monkeypatch):
+    nbclient, nbformat = pytest.importorskip("nbclient"), pytest.importorskip("nbformat")
+    pytest.importorskip("ipykernel")
+    for variable in ("JUPYTER_RUNTIME_DIR", "JUPYTER_DATA_DIR", "JUPYTER_CONFIG_DIR", "IPYTHONDIR"):
+        monkeypatch.setenv(variable, str(tmp_path / variable))
+    book = nbformat.read(EXAMPLES / name, as_version=4)
+    assert not any(cell.get("outputs") for cell in book.cells), "commit notebooks without outputs"
+    runs = nbclient.NotebookClient(
+        book,
+        timeout=100,
+        kernel_name="python3",
+        resources={"metadata": {"path": str(tmp_path)}},
+        store_widget_state=False,
+    )
+    runs.execute()
+    shown = [cell["outputs"] for cell in book.cells if cell["cell_type"] == "code"]
+    assert all(shown), [len(outputs) for outputs in shown]
+    assert "text/html" in shown[0][-1]["data"]
+    assert not [output for outputs in shown for output in outputs if output["output_type"] == "error"]
+
+
 def test_the_ten_lines_run_and_write_a_message(tmp_path):
     lines = (EXAMPLES / "ten_lines.py").read_text()
     code = [line for line in lines.splitlines()[2:] if line.strip()]

@@ -2,6 +2,7 @@
 
 from study.recording.case_recording import APPLICATION, record_case
 from study.recording.live import LiveRecording, live_recording
+from study.recording.notebook import show_in_notebook
 from study.recording.offline import forget_pages, interactive_pages
 from study.recording.viewer import picture, screenshot, view
 
@@ -14,5 +15,6 @@ __all__ = [
     "picture",
     "record_case",
     "screenshot",
+    "show_in_notebook",
     "view",
 ]
