@@ -91,7 +91,7 @@ class Planned:
 
     def __repr__(self) -> str:
         end = (
-            f"{self.duration:.6g} s by {self.planner}, feasible, at most {self.deviation:.4g} from the straight lines"
+            f"{self.duration:.6g} s by {self.planner}, feasible, at most {self.deviation:.4g} rad or m from the straight lines"
             if self.feasible
             else f"no feasible motion: {self.reason}"
         )

@@ -134,8 +134,8 @@ def test_answers_are_shown_in_three_lines():
     problem = Problem("mine", FOUR, JointLimits(V, A))
     planned, compared = plan(problem, "ruckig-stops"), compare(problem, ["ruckig-stops", "toppra"])
     assert repr(planned).splitlines() == [
-        f"Planned 'mine': {planned.duration:.6g} s by ruckig-stops, feasible, at most {planned.deviation:.4g} from the "
-        "straight lines",
+        f"Planned 'mine': {planned.duration:.6g} s by ruckig-stops, feasible, at most {planned.deviation:.4g} rad or m "
+        "from the straight lines",
         "tried: ruckig-stops",
         "warnings: none",
     ]

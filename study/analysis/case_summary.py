@@ -12,6 +12,7 @@ import numpy as np
 from study.analysis.featured import Featured, featured
 from study.analysis.ladder import Rung, ladder_of
 from study.analysis.methods import Kind, MethodSummary, bound_of, lower_bound
+from study.analysis.palette import method_slots
 from study.analysis.published import published_methods
 from study.bounds import Method, is_stochastic
 from study.cases.library import Case
@@ -24,6 +25,9 @@ from study.problem import Problem
 from study.registry import method_named
 from study.store.results import Result
 from study.trajectory import Motion
+
+CONVERGING = 6
+"""Searches in the figure of convergence."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +73,24 @@ class CaseSummary:
     def clear(self, method: MethodSummary) -> bool:
         """Whether nothing speaks against driving the method's motion but what its feasibility says."""
         return not (method.feasible and self.driving.get(method.label, "").startswith(DRIVEN[False]))
+
+    @cached_property
+    def converging(self) -> tuple[MethodSummary, ...]:
+        """Searches whose convergence is worth showing: the paper's own method and the best others, all with a history."""
+        searches = [
+            method
+            for method in self.methods
+            if method.kind is Kind.SEARCH
+            and method.freedom is Freedom.CURVE
+            and all(len(run.history) for run in method.results)
+        ]
+        return tuple(sorted(searches, key=lambda method: method.label != self.case.planner)[:CONVERGING])
+
+    @cached_property
+    def slots(self) -> dict[str, int]:
+        """Colour of every method, see `study.analysis.palette`; those that figures show differ from one another."""
+        shown = [method for _, _, method in self.best.present()] + list(self.converging)
+        return method_slots((method.label for method in self.whole), [method.label for method in shown])
 
     @cached_property
     def rungs(self) -> tuple[Rung, ...]:

@@ -170,9 +170,9 @@ def report_verdict(
     verdict, clearance = judge(case.problem, motion), nearest(case, motion)
     allowed = judge(with_room(case.problem, room), motion) if room else verdict
     good = may_be_driven(allowed, clearance)
-    off = (
-        f"at most {largest_deviation(case.problem, motion):.4g} from the straight lines between waypoints, in any joint"
-    )
+    units = " or ".join(dict.fromkeys(case.units))
+    away = largest_deviation(case.problem, motion)
+    off = f"at most {away:.4g} {units} from the straight lines between waypoints, in any joint"
     console.print(terminal.card(case, verdict, good, clearance, {"path": off, **(facts or {})}))
     for reason in () if allowed.feasible else verdict.reasons:
         console.print(f"infeasible: {reason}", style="red")

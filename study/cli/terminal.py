@@ -27,6 +27,7 @@ from study.analysis.ends import end_steps
 from study.analysis.featured import IN_ORDER, ROLE_NAMES
 from study.analysis.formatting import DASH, figures, percent, seconds, share, wall
 from study.analysis.methods import Kind, MethodSummary, Standing
+from study.analysis.palette import terminal_color
 from study.analysis.sentences import answer
 from study.bounds import Method, kind_of
 from study.cases.ledger import Entry
@@ -121,7 +122,7 @@ def methods_table(console: Console, summary: CaseSummary, flags: Collection[str]
         console,
         f"{case.name}: {case.title} (limits: {case.limits_label})",
         METHOD_HEADS,
-        [_method_row(method, method.kind is Kind.SEARCH and method.planner in flags) for method in summary.methods],
+        [_method_row(summary, method, method.planner in flags) for method in summary.methods],
         left=("method", "path"),
         gives_way=("wall (s)", "above bound", "path", "evaluations", "worst ratio"),
         styles=[
@@ -155,10 +156,11 @@ def _apart(summary: CaseSummary) -> Iterator[str]:
         yield text
 
 
-def _method_row(method: MethodSummary, flagged: bool) -> tuple[str | Text, ...]:
+def _method_row(summary: CaseSummary, method: MethodSummary, flagged: bool) -> tuple[str | Text, ...]:
     bound = method.kind is Kind.BOUND
+    color = terminal_color(summary.slots[method.label]) if method.feasible and method.joint is None else ""
     return (
-        Text(method.label + " ⚑" * flagged),
+        Text(method.label + " ⚑" * (flagged and method.kind is Kind.SEARCH), style=color),
         "any" if bound else (method.freedom or "").removesuffix(" path"),
         f"≥ {figures(method.bound)}" if bound else _duration_text(method),
         percent(method.gap, signed=False),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,6 +12,7 @@ from study.analysis.activity import Use, limit_uses
 from study.analysis.case_summary import CaseSummary
 from study.analysis.featured import Featured
 from study.analysis.methods import Kind, MethodSummary, is_feasible
+from study.analysis.palette import rgb
 from study.cases.library import Case
 from study.errors import StudyError
 from study.planning import Freedom
@@ -32,9 +32,6 @@ _COLORS = (
 )
 PALETTE = tuple((red, green, blue) for red, green, blue in map(bytes.fromhex, _COLORS.split()))
 """Colours that keep apart on the viewer's dark ground."""
-
-ALIKE = 95.0
-"""Colours closer than this in red, green and blue look alike in thin lines."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,39 +173,11 @@ def gather(summary: CaseSummary, samples: int) -> Contents:
     moving = [(method, method.motion) for method in methods if method.motion is not None]
     printed = sorted((pair for pair in moving if pair[0].kind is Kind.PUBLISHED), key=lambda pair: pair[1].duration)[:1]
     moving = [pair for pair in moving if pair[0].kind is not Kind.PUBLISHED or pair in printed]
-    first = [*(method.label for _, _, method in summary.best.present()), case.planner]
-    first += [method.label for method, _ in printed]
-    colors = method_colors([method.label for method, _ in moving], first)
-    shown = tuple(Shown(method, motion, colors[method.label], case.problem.limits) for method, motion in moving)
+    shown = tuple(
+        Shown(method, motion, rgb(summary.slots[method.label]), case.problem.limits) for method, motion in moving
+    )
     on_curve = [m.best for m in methods if m.best is not None and m.freedom is Freedom.CURVE]
     return Contents(summary, shown, min(on_curve, default=np.inf), samples)
-
-
-def method_colors(labels: Sequence[str], first: Sequence[str] = ()) -> dict[str, tuple[int, int, int]]:
-    """Give every method a colour that depends on its name, so that it rarely changes between cases.
-
-    Parameters
-    ----------
-    labels : sequence of str
-    first : sequence of str
-        Methods that are served first, so that no two of them share a colour or have colours that look alike.
-    """
-    free: list[int] = []
-    colors: dict[str, tuple[int, int, int]] = {}
-    for label in sorted(labels, key=lambda label: (label not in first, label)):
-        free = free or list(range(len(PALETTE)))
-        apart = [
-            k for k in free if label not in first or all(_distance(PALETTE[k], c) > ALIKE for c in colors.values())
-        ]
-        wanted = int.from_bytes(hashlib.sha256(label.encode()).digest()[:4], "big") % len(PALETTE)
-        slot = min(apart or free, key=lambda k: (k - wanted) % len(PALETTE))
-        colors[label] = PALETTE[slot]
-        free.remove(slot)
-    return colors
-
-
-def _distance(color: Sequence[int], other: Sequence[int]) -> float:
-    return float(np.linalg.norm(np.subtract(color, other)))
 
 
 def sample_times(motion: Motion, samples: int, extrema: Sequence[Extrema] = ()) -> np.ndarray:

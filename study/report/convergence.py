@@ -9,14 +9,12 @@ import numpy as np
 from markupsafe import Markup
 
 from study.analysis.case_summary import CaseSummary
-from study.analysis.methods import Kind, MethodSummary
+from study.analysis.methods import MethodSummary
 from study.cases.library import Case
-from study.planning import Freedom
 from study.problem import Floats
 from study.report import figures, plot_style
 from study.store.results import Result
 
-SHOWN = 6
 POINTS = 240
 
 
@@ -38,17 +36,8 @@ def convergence_of(summary: CaseSummary, widths: Mapping[str, float]) -> Converg
     widths : mapping of str to float
         Pixels of every figure.
     """
-    searches = [
-        method
-        for method in summary.methods
-        if method.kind is Kind.SEARCH
-        and method.freedom is Freedom.CURVE
-        and all(len(run.history) for run in method.results)
-    ]
     case = summary.case
-    own = [method for method in searches if method.label == case.planner]
-    chosen = (own + [method for method in searches if method not in own])[:SHOWN]
-    curves = [_curve(case, method, style) for style, method in enumerate(chosen)]
+    curves = [_curve(case, method, summary.slots[method.label]) for method in summary.converging]
     if not curves:
         return None
     plain = summary.best.optimiser

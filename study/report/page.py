@@ -249,7 +249,7 @@ def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mappin
             "paper": paper_of(case.paper),
             "sentences": case_answer(summary.best, report.budgets),
             "names": names_explained(summary.methods),
-            "role_of": list(ROLE_NAMES.values()),
+            "role_of": {method.label: ROLE_NAMES[role] for _, role, method in reversed(summary.best.present())},
             "groups": _groups(report),
             "known": known_times(summary.methods),
             "single": [method for method in summary.methods if method.joint is not None],
@@ -272,8 +272,8 @@ def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mappin
 def featured_series(summary: CaseSummary) -> tuple[list[plot_style.Series], list[plot_style.Series]]:
     """Give the featured motions with their styles, and those of them that fit into one plot of profiles."""
     series = [
-        plot_style.Series(method.label, style, method.motion)
-        for style, _, method in summary.best.distinct()
+        plot_style.Series(method.label, summary.slots[method.label], method.motion)
+        for _, _, method in summary.best.distinct()
         if method.motion is not None
     ]
     return series, [each for each in series if not _too_long(each.motion, summary.best)]

@@ -17,6 +17,7 @@ from study.errors import StudyError
 from study.files import write_file
 from study.report import figures
 from study.report.page import featured_series, ladder_figure
+from study.report.plot_style import STROKES, color_properties
 
 COLORS = 256
 """The viewer's picture is kept small with so many colours."""
@@ -25,7 +26,6 @@ WIDTH = 1400
 LETTER = 6.6
 """Width of a letter of the legend; a browser's own font is rarely wider."""
 
-DASHES = ("", "8 3", "8 3 2 3", "2 2.5", "4 2 1.5 2 1.5 2", "13 4", "1.5 4")
 FONT = 'font-family="system-ui, Segoe UI, Roboto, DejaVu Sans, sans-serif"'
 
 
@@ -47,8 +47,8 @@ def pictures_of(summary: CaseSummary, joint: int) -> dict[str, bytes]:
     if not summary.rungs or not near:
         raise StudyError(f"case {case.name!r}: too few results for pictures; run `study run --cases {case.name}` first")
     ladder = standalone(str(ladder_figure(summary.rungs)), f"The ladder of lost time, case {case.name}", [])
-    names = {style: ROLE_NAMES[role] for style, role, _ in best.present()}
-    legend = [(each.style, f"{names[each.style]}: {each.label.removeprefix('published: ')}") for each in near]
+    names = {method.label: ROLE_NAMES[role] for _, role, method in reversed(best.present())}
+    legend = [(each.style, f"{names[each.label]}: {each.label.removeprefix('published: ')}") for each in near]
     drawing = figures.profile("profile", case.problem, joint, case.units[joint], near)
     profile = standalone(str(drawing), f"{case.problem.joint_names[joint]}, case {case.name}", legend)
     return {"ladder.svg": ladder.encode(), "profile.svg": profile.encode()}
@@ -89,7 +89,7 @@ def standalone(svg: str, title: str, legend: Sequence[tuple[int, str]]) -> str:
     lines = [f'<text x="14" y="22" font-size="14" font-weight="bold" fill="var(--ink)" {FONT}>{escape(title)}</text>']
     for row, (style, name) in enumerate(legend):
         y = 44.0 + 18.0 * row
-        stroke = f'stroke="var(--s{style + 1})" stroke-width="2" stroke-dasharray="{DASHES[style]}"'
+        stroke = f'stroke="var(--s{style + 1})" stroke-width="2" stroke-dasharray="{STROKES[style]}"'
         lines.append(f'<path d="M14 {y - 4}h40" fill="none" {stroke}/>')
         lines.append(f'<text x="62" y="{y}" font-size="12" fill="var(--ink)" {FONT}>{escape(name)}</text>')
     across = max([width, *(76.0 + LETTER * len(name) for _, name in legend)])
@@ -113,4 +113,4 @@ def small(png: bytes) -> bytes:
 def _light_colors() -> dict[str, str]:
     """Colours of the report's style sheet on light ground, by the names of its custom properties."""
     sheet = files("study.report").joinpath("templates/report.css").read_text(encoding="utf-8")
-    return dict(re.findall(r"--(\w+): (#\w+)", sheet[: sheet.index("}")]))
+    return dict(re.findall(r"--(\w+): (#\w+)", sheet[: sheet.index("}")] + color_properties(dark=False)))

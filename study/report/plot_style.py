@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup, escape
 
+from study.analysis.palette import DARK, LIGHT, SLOTS
 from study.problem import Floats
 from study.trajectory import Motion
 
@@ -19,30 +20,31 @@ THEME = {
     "#030303": "grid",
     "#040404": "band",
     "#050505": "paper",
-    "#0a0a01": "s1",
-    "#0a0a02": "s2",
-    "#0a0a03": "s3",
-    "#0a0a04": "s4",
-    "#0a0a05": "s5",
-    "#0a0a06": "s6",
-    "#0a0a07": "s7",
-}
+} | {f"#0a0a{k:02x}": f"s{k}" for k in range(1, SLOTS + 1)}
 """Placeholder colours that a figure draws with, and the custom property of the style sheet that takes their place."""
 
 PLACEHOLDER = {name: colour for colour, name in THEME.items()}
 
 INK, MUTED, GRID, BAND, PAPER = (PLACEHOLDER[name] for name in ("ink", "muted", "grid", "band", "paper"))
-SERIES = tuple(PLACEHOLDER[f"s{k}"] for k in range(1, 8))
-DASHES: tuple[Any, ...] = (
-    "-",
-    (0, (6, 2)),
-    (0, (6, 2, 1.5, 2)),
-    (0, (1.5, 1.5)),
-    (0, (3, 1.5, 1, 1.5, 1, 1.5)),
-    (0, (9, 3)),
-    (0, (1, 3)),
+SERIES = tuple(PLACEHOLDER[f"s{k}"] for k in range(1, SLOTS + 1))
+STROKES = (
+    "",
+    "8 3",
+    "8 3 2 3",
+    "2 2.5",
+    "4 2 1.5 2 1.5 2",
+    "13 4",
+    "1.5 4",
+    "5 2",
+    "11 2 3 2",
+    "3 3",
+    "6 5",
+    "14 3 1.5 3",
 )
-MARKERS = ("o", "s", "^", "D", "X", "v", "P")
+"""Dashes of a method's line by its slot, in pixels; a line without dashes is whole."""
+
+DASHES: tuple[Any, ...] = tuple((0, tuple(float(n) / 1.6 for n in each.split())) if each else "-" for each in STROKES)
+MARKERS = ("o", "s", "^", "D", "X", "v", "P", "<", ">", "*", "h", "d")
 RC: Any = {
     "svg.hashsalt": "time-optimal-study",
     "svg.fonttype": "none",
@@ -112,6 +114,11 @@ class Bar:
     seconds: float
     hatch: str
     solid: bool
+
+
+def color_properties(dark: bool) -> str:
+    """Custom properties of the style sheet for the colours of the methods."""
+    return " ".join(f"--s{k}: {color};" for k, color in enumerate(DARK if dark else LIGHT, start=1))
 
 
 LANES = (0.0, 0.26, -0.16, 0.26, 0.42, 0.13, -0.16)

@@ -8,6 +8,8 @@ from types import MappingProxyType
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from study.report.plot_style import STROKES, color_properties
+
 REPORT = "study.report"
 Filters = Mapping[str, Callable[..., object]]
 
@@ -32,5 +34,10 @@ def render(
         loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters |= filters
+    environment.globals |= {
+        "strokes": STROKES,
+        "light": color_properties(dark=False),
+        "dark": color_properties(dark=True),
+    }
     source = {name: Markup(report.get_source(environment, f"report.{name}")[0]) for name in ("css", "js")}  # noqa: S704
     return environment.get_template(template).render(**source, **context)

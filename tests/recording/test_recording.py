@@ -19,7 +19,7 @@ from study.curves import curve_named
 from study.errors import StudyError
 from study.problem import Floats, JointLimits, Problem
 from study.recording import APPLICATION, case_recording, record_case, scene
-from study.recording.contents import ALIKE, NANOSECOND, gather, method_colors, sample_times
+from study.recording.contents import NANOSECOND, gather, sample_times
 from study.recording.process import private_environment
 from study.recording.stream import entity, method_part
 from study.recording.summary import markdown, plain
@@ -267,18 +267,6 @@ def test_errors_are_sentences(woodworking: Case, tmp_path: Path, monkeypatch: py
     monkeypatch.setenv("RERUN", "off")
     with pytest.raises(StudyError, match=r"unset the environment variable RERUN"):
         record_case(summarise_case(woodworking, some_results(woodworking)), tmp_path / "a.rrd")
-
-
-def test_colours_are_distinct_and_do_not_depend_on_the_company() -> None:
-    labels = [f"m{k}" for k in range(20)]
-    colors = method_colors(labels)
-    assert len(set(colors.values())) == 20
-    assert method_colors(labels[::-1]) == colors
-    assert method_colors(["m3"])["m3"] == method_colors(["m3", "m4"], first=["m3"])["m3"]
-    first = labels[:7]
-    lines = np.array([method_colors(labels, first)[label] for label in first])
-    apart = np.linalg.norm(lines[:, None].astype(float) - lines, axis=2)[np.triu_indices(7, 1)]
-    assert (apart > ALIKE).all()
 
 
 @pytest.mark.parametrize("name", ["woodworking", "ur5-bspline", "puma560"])

@@ -192,10 +192,12 @@ def test_every_table_with_buttons_sorts(look: Look, name: str) -> None:
 
 def plain_number(text: str) -> float | None:
     """A number as the page shows it, in its base unit; None for other text."""
-    found = re.fullmatch(r"[+≈≥]?\s*([-−]?[\d\s.,]*\d(?:e[-+]?\d+)?)\s*(%|s|ms)?", text)
+    found = re.fullmatch(r"[+≈≥]?\s*([-−]?[\d\s.,]*\d(?:e[-+]?\d+)?)\s*(%|s|ms|µs|ns)?", text)
     if found is None:
         return None
-    return float(re.sub(r"[\s,]", "", found[1].replace("−", "-"))) * (1e-3 if found[2] == "ms" else 1.0)
+    return float(re.sub(r"[\s,]", "", found[1].replace("−", "-"))) * {"ms": 1e-3, "µs": 1e-6, "ns": 1e-9}.get(
+        found[2], 1.0
+    )
 
 
 def test_sorting_by_a_click_on_a_head(look: Look) -> None:

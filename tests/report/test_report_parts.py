@@ -328,7 +328,7 @@ def test_penalised_candidates_do_not_converge(wood: CaseSummary) -> None:
     np.testing.assert_array_equal(_on_grid(case, fake, np.array([10, 50, 99, 100, 400.0])), [np.inf] * 3 + [9.0, 8.0])
     part = convergence_of(wood, {"wide": 720.0})
     assert part is not None
-    assert part.legend[0] == (0, case.planner)
+    assert part.legend[0] == (wood.slots[case.planner], case.planner)
 
 
 def test_figures_are_whole_svg_with_their_colours_left_to_the_page(tiny_problem: Problem) -> None:

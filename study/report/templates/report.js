@@ -1,8 +1,8 @@
 "use strict";
 // Sort a table by a column. Rows move only inside their own group, so an infeasible method never rises above a feasible one.
 const number = (text) => {
-  const found = /^[+≈≥]?\s*([-−]?[\d\s.,]*\d(?:e[-+]?\d+)?)\s*(%|s|ms)?$/.exec(text);
-  return found ? Number(found[1].replace("−", "-").replace(/[\s,]/g, "")) * (found[2] === "ms" ? 1e-3 : 1) : NaN;
+  const found = /^[+≈≥]?\s*([-−]?[\d\s.,]*\d(?:e[-+]?\d+)?)\s*(%|s|ms|µs|ns)?$/.exec(text);
+  return found ? Number(found[1].replace("−", "-").replace(/[\s,]/g, "")) * ({ ms: 1e-3, "µs": 1e-6, ns: 1e-9 }[found[2]] ?? 1) : NaN;
 };
 for (const table of document.querySelectorAll("table:has(th[data-sort])")) {
   const heads = [...table.tHead.rows[0].cells];
