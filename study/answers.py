@@ -69,7 +69,7 @@ class Planned:
         elif self.tier == "fast":
             lead = "the first feasible motion"
         else:
-            count = sum(not reason_of(result) for _, _, result in self.tried)
+            count = sum(not result.reason for _, _, result in self.tried)
             lead = (
                 f"the fastest of {count} feasible motions" if count > 1 else "the only feasible motion that was found"
             )
@@ -80,7 +80,7 @@ class Planned:
     def _stopping(self) -> str:
         if not (self.feasible and stops_everywhere(self.problem, self.motion)):
             return ""
-        others = [f"{name}: {reason}" for name, _, result in self.tried if (reason := reason_of(result))]
+        others = [f"{name}: {result.reason}" for name, _, result in self.tried if result.reason]
         return f"; it stops at every waypoint, because {'; '.join(others) or 'nothing that was tried is faster'}"
 
     @property
@@ -102,7 +102,7 @@ class Planned:
     @property
     def feasible(self) -> bool:
         """True where the judge passed the motion."""
-        return self.result.verdict is not None and self.result.verdict.feasible
+        return self.result.feasible
 
     @property
     def motion(self) -> Motion:
@@ -257,7 +257,7 @@ class Comparison:
     def best(self) -> Result | None:
         """Fastest feasible result; None where there is none."""
         first = self.results[0]
-        return first if first.verdict is not None and first.verdict.feasible else None
+        return first if first.feasible else None
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -273,8 +273,8 @@ class Comparison:
         return table_of_comparison(self.problem, self.results, self.warnings)
 
     def __repr__(self) -> str:
-        count, best = sum(not reason_of(result) for result in self.results), self.best
-        fastest = f"{best.cell.label}, {_duration(best):.6g} s" if best else "none"
+        count, best = sum(not result.reason for result in self.results), self.best
+        fastest = f"{best.cell.label}, {best.duration:.6g} s" if best else "none"
         lead = f"Comparison on {self.problem.name!r}: {len(self.results)} runs, {count} feasible"
         return f"{lead}\nfastest feasible: {fastest}\nwarnings: {'; '.join(self.warnings) or 'none'}"
 
@@ -298,23 +298,11 @@ def jerky(problem: Problem) -> bool:
     return bool(np.isfinite(problem.limits.jerk).any())
 
 
-def _duration(result: Result) -> float:
-    return np.inf if result.verdict is None else result.verdict.duration
-
-
-def reason_of(result: Result) -> str:
-    """Why a result is not a feasible motion; empty where it is one."""
-    if result.verdict is None:
-        return result.message or result.status.value
-    return "; ".join(result.verdict.reasons)
-
-
 def rank(result: Result) -> tuple[bool, float, float]:
     """Order of results: feasible ones by duration, then the others by how far they break a limit."""
     verdict = result.verdict
-    if verdict is None:
-        return True, np.inf, np.inf
-    return not verdict.feasible, 0.0 if verdict.feasible else verdict.violation, verdict.duration
+    excess = np.inf if verdict is None else 0.0 if verdict.feasible else verdict.violation
+    return not result.feasible, excess, result.duration
 
 
 def _lines(results: Sequence[Result]) -> Iterator[str]:
@@ -322,5 +310,5 @@ def _lines(results: Sequence[Result]) -> Iterator[str]:
     for result in results:
         duration = "" if result.verdict is None else f"{result.verdict.duration:.5g} s"
         seed = f"seed {result.cell.settings.seed}" if result.evaluations else ""
-        said = reason_of(result) or "feasible"
+        said = result.reason or "feasible"
         yield f"{result.cell.label:<{width}}  {duration:>12}  {seed:<8}  {said}".rstrip()

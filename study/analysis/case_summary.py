@@ -11,7 +11,7 @@ import numpy as np
 
 from study.analysis.featured import Featured, featured
 from study.analysis.ladder import Rung, ladder_of
-from study.analysis.methods import Kind, MethodSummary, bound_of, lower_bound
+from study.analysis.methods import Kind, MethodSummary, lower_bound
 from study.analysis.palette import method_slots
 from study.analysis.published import published_methods
 from study.bounds import Method, is_stochastic
@@ -132,7 +132,7 @@ def summarise_case(
 def _of_runs(case: Case, runs: tuple[Result, ...]) -> MethodSummary:
     method = _installed(runs[0].cell.planner)
     moving = next((run.motion for run in runs if run.motion is not None), None)
-    if moving is None and any(bound_of(run) is not None for run in runs):
+    if moving is None and any(run.lower_bound is not None for run in runs):
         kind: Kind = Kind.BOUND
     else:
         stochastic = is_stochastic(method) if method else runs[0].evaluations > 0

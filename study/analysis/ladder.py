@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from study.analysis.featured import Featured
 from study.analysis.formatting import plural
-from study.analysis.methods import Kind, MethodSummary, bound_of, lower_bound
+from study.analysis.methods import Kind, MethodSummary, lower_bound
 from study.cases.library import Case
 from study.planning import Freedom, Synchronisation
 
@@ -238,9 +238,9 @@ def _alone(methods: Sequence[MethodSummary], best: Featured) -> Iterator[_Step]:
     """
     plain = [m for m in methods if m.kind is Kind.DETERMINISTIC and m.feasible and m.freedom is Freedom.CURVE]
     optimal = [
-        (-(bound_of(method.results[0]) or 0.0), method.label, method)
+        (-(method.results[0].lower_bound or 0.0), method.label, method)
         for method in _under(plain, Synchronisation.PER_JOINT)
-        if bound_of(method.results[0]) is not None
+        if method.results[0].lower_bound is not None
         or (best.optimiser is not None and method.planner == best.optimiser.planner)
     ]
     if optimal:

@@ -90,7 +90,7 @@ class MethodSummary:
 
     @cached_property
     def _feasible(self) -> list[Result]:
-        return sorted((run for run in self.results if is_feasible(run)), key=_duration)
+        return sorted((run for run in self.results if run.feasible), key=lambda run: run.duration)
 
     @property
     def feasible_runs(self) -> int:
@@ -105,12 +105,12 @@ class MethodSummary:
     @property
     def best(self) -> float | None:
         """Shortest duration of a feasible run, s."""
-        return _duration(self._feasible[0]) if self._feasible else None
+        return self._feasible[0].duration if self._feasible else None
 
     @cached_property
     def median(self) -> float | None:
         """Median duration of the feasible runs, s."""
-        return float(np.median([_duration(run) for run in self._feasible])) if self._feasible else None
+        return float(np.median([run.duration for run in self._feasible])) if self._feasible else None
 
     @cached_property
     def representative(self) -> Result | None:
@@ -121,7 +121,7 @@ class MethodSummary:
 
     def durations_of(self, half: int) -> list[float]:
         """Durations of the feasible runs with even seeds (0) or odd ones (1), s."""
-        return [_duration(run) for run in self._feasible if run.cell.settings.seed % 2 == half]
+        return [run.duration for run in self._feasible if run.cell.settings.seed % 2 == half]
 
     @property
     def motion(self) -> Motion | None:
@@ -158,7 +158,7 @@ class MethodSummary:
     @cached_property
     def reason(self) -> str:
         """Most common reason why runs are infeasible; empty where all are feasible."""
-        infeasible = sorted((run for run in self.results if not is_feasible(run)), key=_violation)
+        infeasible = sorted((run for run in self.results if not run.feasible), key=_violation)
         if not infeasible:
             return self.remark
         sentences = [r.verdict.reasons[0] if r.verdict else r.message or r.status.value for r in infeasible]
@@ -169,7 +169,7 @@ class MethodSummary:
     def bound(self) -> float | None:
         """Proved lower bound of this method's kind of motion, or of any motion where it is a bound, s."""
         shared = [run for run in self.results if run.cell.settings.synchronisation is Synchronisation.SHARED]
-        return max((bound for run in shared if (bound := bound_of(run)) is not None), default=None)
+        return max((run.lower_bound for run in shared if run.lower_bound is not None), default=None)
 
     @property
     def standing(self) -> Standing:
@@ -212,20 +212,6 @@ def known_times(methods: Sequence[MethodSummary]) -> list[tuple[str, float, str]
 def names_explained(methods: Iterable[MethodSummary]) -> dict[str, str]:
     """Lines with which the planners describe themselves, by name."""
     return dict(sorted((method.planner, method.about) for method in methods if method.about))
-
-
-def bound_of(result: Result) -> float | None:
-    """Proved lower bound that a run brings, s."""
-    return result.lower_bound
-
-
-def is_feasible(result: Result) -> bool:
-    """True where the judge passed the motion of a run."""
-    return result.verdict is not None and result.verdict.feasible
-
-
-def _duration(result: Result) -> float:
-    return result.verdict.duration if result.verdict else np.inf
 
 
 def _violation(result: Result) -> float:

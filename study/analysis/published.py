@@ -11,7 +11,7 @@ from study.cases.library import Case, Published
 from study.curves import curve_named
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import Freedom, Plan, Status
+from study.planning import Freedom, Status
 from study.store.results import Cell, Result
 
 
@@ -44,25 +44,13 @@ def _summary(case: Case, published: Published) -> MethodSummary:
 def published_result(case: Case, published: Published, label: str) -> Result:
     """Drive a paper's printed segment durations on its curve and judge the motion."""
     problem = case.problem if published.joint is None else case.problem.joint(published.joint)
-    plan, verdict = Plan(Status.FINISHED, durations=published.durations, message=published.source), None
+    cell = Cell(case.name, Kind.PUBLISHED, label, replace(case.settings, curve=case.curve))
+    result = Result(Status.FINISHED, durations=published.durations, message=published.source, cell=cell)
     try:
         motion = curve_named(case.curve).motion(problem.waypoints, np.asarray(published.durations))
-        plan, verdict = replace(plan, motion=motion), judge(problem, motion)
+        return replace(result, motion=motion, verdict=judge(problem, motion))
     except StudyError as error:
-        plan = replace(plan, status=Status.FAILED, message=str(error))
-    return Result(
-        cell=Cell(case.name, Kind.PUBLISHED, label, replace(case.settings, curve=case.curve)),
-        status=plan.status,
-        message=plan.message,
-        motion=plan.motion,
-        verdict=verdict,
-        durations=plan.durations,
-        evaluations=0,
-        iterations=0,
-        history=plan.history,
-        details={},
-        wall_time=0.0,
-    )
+        return replace(result, status=Status.FAILED, message=str(error))
 
 
 def _synchronised(case: Case) -> list[Published]:

@@ -75,17 +75,3 @@ def ledger(paper: str | None = None) -> tuple[Entry, ...]:
     if paper is not None and paper not in papers():
         raise unknown("paper", paper, papers())
     return tuple(entry for entry in _entries() if paper in (None, entry.paper))
-
-
-def ledger_entry(entry_id: str) -> Entry:
-    """Look one entry up by id.
-
-    Raises
-    ------
-    StudyError
-        If there is no such entry.
-    """
-    by_id = {entry.id: entry for entry in _entries()}
-    if entry_id not in by_id:
-        raise unknown("ledger entry", entry_id, by_id)
-    return by_id[entry_id]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from pydantic import model_validator
 
 from study.choices import Choice
+from study.datafiles import Strict
 
 
 class RuleKind(Choice):
@@ -21,8 +22,7 @@ class RuleKind(Choice):
     RADIANS = "radians"
 
 
-@dataclass(frozen=True)
-class Rule:
+class Rule(Strict):
     """Rule on a printed number that the print alone decides.
 
     Attributes
@@ -39,20 +39,13 @@ class Rule:
     terms: tuple[str, ...] = ()
     why: str = ""
 
-
-RuleText = str | dict[str, str | list[str]]
-"""A rule as a data file has it: `used`, `{used: sentence}` or `{percentage: [before, after]}`."""
-
-
-def rule_of(content: RuleText | None) -> Rule | None:
-    """Turn the text of a data file into a rule.
-
-    Raises
-    ------
-    StudyError
-        If there is no such kind of rule.
-    """
-    if content is None or isinstance(content, str):
-        return None if content is None else Rule(RuleKind(content))
-    (kind, told), *_ = content.items()
-    return Rule(RuleKind(kind), why=told) if isinstance(told, str) else Rule(RuleKind(kind), tuple(told))
+    @model_validator(mode="before")
+    @classmethod
+    def _written(cls, content: object) -> object:
+        """Read a rule as a data file has it: `used`, `{used: sentence}` or `{percentage: [before, after]}`."""
+        if isinstance(content, str):
+            return {"kind": content}
+        if isinstance(content, dict) and len(content) == 1 and "kind" not in content:
+            [(kind, told)] = content.items()
+            return {"kind": kind, "why" if isinstance(told, str) else "terms": told}
+        return content

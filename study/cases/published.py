@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Literal
 
 from pydantic import Field
 
-from study.cases.print_rules import Rule, RuleText, rule_of
+from study.cases.print_rules import Rule
 from study.cases.printed import Cell, Table, parsed
 from study.datafiles import Strict, checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
@@ -20,8 +19,7 @@ Quantity = Literal[
 ]  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Claim:
+class Claim(Strict):
     """One number in a paper's prose.
 
     Attributes
@@ -42,8 +40,8 @@ class Claim:
     about: str
     printed: str
     value: float
-    unit: str
-    rule: Rule | None
+    unit: str = ""
+    rule: Rule | None = None
 
     @property
     def cell(self) -> Cell:
@@ -51,27 +49,16 @@ class Claim:
         return Cell(self.id, "", "value", self.printed, self.value)
 
 
-@dataclass(frozen=True)
-class Statement:
-    """A claim of a paper's prose that carries no number of its own, in our words.
-
-    Attributes
-    ----------
-    id : str
-    place : str
-    about : str
-    rule : Rule, optional
-        If the print alone decides.
-    """
+class Statement(Strict):
+    """A claim of a paper's prose that carries no number of its own, in our words; fields as those of `Claim`."""
 
     id: str
     place: str
     about: str
-    rule: Rule | None
+    rule: Rule | None = None
 
 
-@dataclass(frozen=True)
-class MainClaim:
+class MainClaim(Strict):
     """One of the claims that a paper itself puts first, in our words.
 
     Attributes
@@ -82,7 +69,7 @@ class MainClaim:
     """
 
     claim: str
-    decided: tuple[str, ...]
+    decided: tuple[str, ...] = Field(min_length=1)
 
 
 class _TableFile(Strict):
@@ -92,29 +79,7 @@ class _TableFile(Strict):
     quantity: Quantity | dict[str, Quantity]
     columns: list[str] = Field(min_length=1)
     rows: dict[str, str] = Field(min_length=1)
-    rules: dict[str, RuleText] = Field(default_factory=dict)
-
-
-class _ClaimFile(Strict):
-    id: str
-    place: str
-    about: str
-    printed: str
-    value: float
-    unit: str = ""
-    rule: RuleText | None = None
-
-
-class _StatementFile(Strict):
-    id: str
-    place: str
-    about: str
-    rule: RuleText | None = None
-
-
-class _MainFile(Strict):
-    claim: str
-    decided: list[str] = Field(min_length=1)
+    rules: dict[str, Rule] = Field(default_factory=dict)
 
 
 class _PaperFile(Strict):
@@ -124,9 +89,9 @@ class _PaperFile(Strict):
     venue: str
     notes: list[str] = Field(default_factory=list)
     tables: list[_TableFile]
-    claims: list[_ClaimFile]
-    statements: list[_StatementFile]
-    main: list[_MainFile]
+    claims: list[Claim]
+    statements: tuple[Statement, ...]
+    main: tuple[MainClaim, ...]
 
 
 def papers() -> dict[str, str]:
@@ -154,10 +119,7 @@ def claims(paper: str) -> dict[str, Claim]:
     StudyError
         If there is no such paper, or its file is broken.
     """
-    return {
-        claim.id: Claim(**claim.model_dump(exclude={"rule"}), rule=rule_of(claim.rule))
-        for claim in _paper(paper).claims
-    }
+    return {claim.id: claim for claim in _paper(paper).claims}
 
 
 def statements(paper: str) -> tuple[Statement, ...]:
@@ -168,10 +130,7 @@ def statements(paper: str) -> tuple[Statement, ...]:
     StudyError
         If there is no such paper, or its file is broken.
     """
-    return tuple(
-        Statement(statement.id, statement.place, statement.about, rule_of(statement.rule))
-        for statement in _paper(paper).statements
-    )
+    return _paper(paper).statements
 
 
 def main_claims(paper: str) -> tuple[MainClaim, ...]:
@@ -182,7 +141,7 @@ def main_claims(paper: str) -> tuple[MainClaim, ...]:
     StudyError
         If there is no such paper, or its file is broken.
     """
-    return tuple(MainClaim(claim.claim, tuple(claim.decided)) for claim in _paper(paper).main)
+    return _paper(paper).main
 
 
 def _files() -> list[Path]:
@@ -211,8 +170,7 @@ def _table(file: _TableFile, where: str) -> Table:
             raise StudyError(f"{where}, row {row!r}: {len(printed)} cells for {len(file.columns)} columns")
         for column, text in zip(file.columns, printed, strict=True):
             cells.append(Cell(row, column, _quantity(file, row, column, where), text, parsed(text)))
-    rules = {label: rule for label, content in file.rules.items() if (rule := rule_of(content))}
-    return Table(file.number, file.about, file.unit, tuple(file.columns), tuple(cells), rules)
+    return Table(file.number, file.about, file.unit, tuple(file.columns), tuple(cells), file.rules)
 
 
 def _quantity(file: _TableFile, row: str, column: str, where: str) -> str:

@@ -178,18 +178,14 @@ def _compared(planners: Sequence[str] | None) -> tuple[Any, ...]:
 
 def _best(case: Case, results: Sequence[Result], console: Console) -> Result | None:
     """Fastest feasible result that hits no obstacle."""
-    for result in sorted(results, key=_duration):
-        if result.verdict is None or not result.verdict.feasible or result.motion is None:
+    for result in sorted(results, key=lambda result: result.duration):
+        if not result.feasible or result.verdict is None or result.motion is None:
             continue
         clearance = nearest(case, result.motion)
         if clearance is None or may_be_driven(result.verdict, clearance):
             return result
         console.print(f"{result.cell.label}: {clearance.sentence}")
     return None
-
-
-def _duration(result: Result) -> float:
-    return result.verdict.duration if result.verdict else float("inf")
 
 
 def _kept_case(case: Case, file: Path, content: dict[str, Any], out: Path) -> str:

@@ -146,10 +146,7 @@ def _tried(planned: Planned) -> Iterator[str]:
 
 def _outcome(result: Result) -> str:
     late = "; a time limit was reached, so it may not be the best" if result.status is Status.TIMED_OUT else ""
-    if result.verdict is not None and result.verdict.feasible:
-        return f"{result.verdict.duration:.6g} s, feasible{late}"
-    reasons = "; ".join(result.verdict.reasons) if result.verdict else result.message or result.status.value
-    return f"no feasible motion: {reasons}"
+    return f"{result.duration:.6g} s, feasible{late}" if result.feasible else f"no feasible motion: {result.reason}"
 
 
 def no_motion(case: Case) -> int:

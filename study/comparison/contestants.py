@@ -153,7 +153,7 @@ def _contestant(case: str, planner: str, level: Level, results: list[Result]) ->
         planner,
         level,
         durations=np.array([judged(result) for result in results]),
-        totals=np.array([result.verdict.duration if result.verdict else np.inf for result in results]),
+        totals=np.array([result.duration for result in results]),
         histories=tuple(result.history for result in results),
         spent=np.array([result.evaluations for result in results], dtype=float),
         wall=np.array([result.wall_time for result in results]),
@@ -162,7 +162,7 @@ def _contestant(case: str, planner: str, level: Level, results: list[Result]) ->
 
 def judged(result: Result) -> float:
     """Duration of a run if the judge found it feasible, s; infinity otherwise."""
-    return result.verdict.duration if result.verdict is not None and result.verdict.feasible else np.inf
+    return result.duration if result.feasible else np.inf
 
 
 def references(cases: Sequence[Case], runs: Runs) -> dict[str, Reference]:

@@ -11,7 +11,7 @@ import numpy as np
 from study.analysis.activity import Use, limit_uses
 from study.analysis.case_summary import CaseSummary
 from study.analysis.featured import Featured
-from study.analysis.methods import Kind, MethodSummary, is_feasible
+from study.analysis.methods import Kind, MethodSummary
 from study.analysis.palette import rgb
 from study.cases.library import Case
 from study.errors import StudyError
@@ -75,7 +75,7 @@ class Shown:
     def feasible(self) -> bool:
         """True where the motion shown passed the judge."""
         run = self.method.representative
-        return run is not None and is_feasible(run)
+        return run is not None and run.feasible
 
     @property
     def published(self) -> bool:

@@ -11,7 +11,7 @@ from typing import Any
 from study.analysis.case_summary import CaseSummary
 from study.analysis.featured import group_of
 from study.analysis.formatting import DASH, bare_seconds, count, percent, share, wall
-from study.analysis.methods import Kind, MethodSummary, is_feasible
+from study.analysis.methods import Kind, MethodSummary
 from study.analysis.tables import Column, records, write_table
 from study.cases.library import Case
 from study.io.export import write_motion
@@ -139,7 +139,7 @@ RUNS: tuple[Column[Run], ...] = (
     Column("seed", "", lambda row: row[2].cell.settings.seed, kind=int),
     Column("status", "", lambda row: row[2].status.value, kind=str),
     Column("duration_s", "", lambda row: row[2].verdict and row[2].verdict.duration, kind=float),
-    Column("feasible", "", lambda row: is_feasible(row[2]), kind=bool),
+    Column("feasible", "", lambda row: row[2].feasible, kind=bool),
     Column("worst_ratio", "", lambda row: row[2].verdict and row[2].verdict.worst_ratio, kind=float),
     Column("waypoint_error", "", lambda row: row[2].verdict and row[2].verdict.waypoint_error.max(), kind=float),
     Column("continuity", "", lambda row: row[2].verdict and row[2].verdict.continuity, kind=int),

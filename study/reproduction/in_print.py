@@ -56,7 +56,7 @@ def _completed(rule: Rule, table: Table, cell: Cell) -> Rule:
     """Rule with the cell's own neighbour as its term where the rule is one of a whole column."""
     if rule.kind is not RuleKind.RADIANS:
         return rule
-    return Rule(rule.kind, (f"{table.number} / {cell.row} / {cell.column.replace('(rad)', '(deg)')}",))
+    return Rule(kind=rule.kind, terms=(f"{table.number} / {cell.row} / {cell.column.replace('(rad)', '(deg)')}",))
 
 
 def _ruled(paper: str, cell: Cell, rule: Rule) -> Ruling:

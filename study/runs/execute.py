@@ -7,9 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-
-from study.bounds import LowerBound, Method
+from study.bounds import Method
 from study.demands import refusal
 from study.errors import StudyError
 from study.judge import judge
@@ -83,8 +81,7 @@ class CellJob:
 
     def failed(self, reason: str, wall_time: float, status: Status = Status.FAILED) -> Result:
         """Build the result of a planner that brought no motion."""
-        nothing = np.empty((0, 2))
-        return Result(self.cell, status, " ".join(reason.split()), None, None, None, 0, 0, nothing, {}, wall_time)
+        return Result(status, message=" ".join(reason.split()), cell=self.cell, wall_time=wall_time)
 
     def run(self) -> Result:
         """Plan, time and judge; whatever goes wrong in the planner becomes the result's reason."""
@@ -98,9 +95,7 @@ class CellJob:
             with supervised(reporter(None if outer is None else outer.tell)) as watch:
                 answer = asked(method, self.problem, self.cell.settings)
             wall_time = time.perf_counter() - started
-            result = (
-                judged(self, answer, wall_time) if isinstance(answer, Plan) else proved(self.cell, answer, wall_time)
-            )
+            result = judged(self, answer, wall_time)
             return cut_short(result) if watch.deadline_reached else result
         except StudyError as error:
             reason = str(error)
@@ -127,11 +122,12 @@ def stored_results(store: Store, cells: Iterable[Cell], cases: Mapping[str, Case
     return [result for _, result in store.outcomes(cell_jobs(cells, cases))]
 
 
-def asked(method: Method, problem: Problem, settings: RunSettings) -> Plan | LowerBound:
-    """Ask a planner for its plan, or a bound for what it proves."""
+def asked(method: Method, problem: Problem, settings: RunSettings) -> Plan:
+    """Ask a planner for its plan, or a bound for what it proves, which has no motion."""
     if isinstance(method, Planner):
         return in_time(problem, method.plan(problem, settings))
-    return method.bound(problem, settings)
+    proved = method.bound(problem, settings)
+    return Plan(Status.FINISHED, message=proved.message, details=proved.details, lower_bound=proved.value)
 
 
 def cut_short(result: Result) -> Result:
@@ -140,29 +136,9 @@ def cut_short(result: Result) -> Result:
     return replace(result, status=Status.TIMED_OUT, message=message)
 
 
-def proved(cell: Cell, bound: LowerBound, wall_time: float) -> Result:
-    """Build the result of a bound."""
-    nothing, done = np.empty((0, 2)), Status.FINISHED
-    return Result(
-        cell, done, bound.message, None, None, None, 0, 0, nothing, bound.details, wall_time, lower_bound=bound.value
-    )
-
-
 def judged(job: CellJob, plan: Plan, wall_time: float) -> Result:
     """Build the result of a cell whose planner came back."""
     if plan.motion is not None:
         check_storable(plan.motion)
-    return Result(
-        cell=job.cell,
-        status=plan.status,
-        message=plan.message,
-        motion=plan.motion,
-        verdict=None if plan.motion is None else judge(job.problem, plan.motion),
-        durations=plan.durations,
-        evaluations=plan.evaluations,
-        iterations=plan.iterations,
-        history=plan.history,
-        details=plan.details,
-        wall_time=wall_time,
-        lower_bound=plan.lower_bound,
-    )
+    verdict = None if plan.motion is None else judge(job.problem, plan.motion)
+    return Result(**vars(plan), cell=job.cell, verdict=verdict, wall_time=wall_time)

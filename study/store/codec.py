@@ -187,7 +187,7 @@ def encode(result: Result) -> Encoded:
         times={name: value for name, value in details.items() if name.endswith(MEASURED)},
         wall_time=float(result.wall_time),
         status=result.status,
-        feasible=verdict is not None and verdict.feasible,
+        feasible=result.feasible,
         duration=None if verdict is None else verdict.duration,
         worst_ratio=None if verdict is None else verdict.worst_ratio,
         evaluations=int(result.evaluations),

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from study.judge import Verdict
-from study.planning import RunSettings, Status
-from study.problem import Floats
-from study.trajectory import Motion
+from study.planning import Plan, RunSettings
 
 
 @dataclass(frozen=True)
@@ -35,39 +34,34 @@ class Cell:
     KIND: ClassVar[str] = "cell"
 
 
-@dataclass(frozen=True, eq=False)
-class Result:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Result(Plan):
     """A finished cell: the planner's answer, the judge's verdict on it and the wall time.
 
     Attributes
     ----------
     cell : Cell
-    status : Status
-    message : str
-    motion : Motion, optional
     verdict : Verdict, optional
         None only where there is no motion.
-    durations : array of shape (n_segments,), s, optional
-    evaluations : int
-    iterations : int
-    history : array of shape (n_records, 2)
-        Evaluations so far and best objective so far.
-    details : mapping of str to float
     wall_time : float, s
         The planner's own time; imports, judging and storing are not in it.
-    lower_bound : float, s, optional
-        Proved by a bound, or by a planner for its own kind of motion.
     """
 
     cell: Cell
-    status: Status
-    message: str
-    motion: Motion | None
-    verdict: Verdict | None
-    durations: Floats | None
-    evaluations: int
-    iterations: int
-    history: Floats
-    details: Mapping[str, float]
-    wall_time: float
-    lower_bound: float | None = None
+    verdict: Verdict | None = None
+    wall_time: float = 0.0
+
+    @property
+    def feasible(self) -> bool:
+        """True where the judge passed the motion."""
+        return self.verdict is not None and self.verdict.feasible
+
+    @property
+    def duration(self) -> float:
+        """Total time of the motion, feasible or not, s; infinite where there is none."""
+        return self.verdict.duration if self.verdict else np.inf
+
+    @property
+    def reason(self) -> str:
+        """Why there is no feasible motion; empty where there is one."""
+        return "; ".join(self.verdict.reasons) if self.verdict else self.message or self.status.value

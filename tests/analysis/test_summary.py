@@ -25,7 +25,7 @@ def result(tiny_case):
         )
         verdict = None if motion is None else judge(tiny_case.problem, motion)
         status = Status.FAILED if motion is None else Status.FINISHED
-        made = Result(cell, status, message, motion, verdict, None, 100, 5, np.empty((0, 2)), {}, 0.5)
+        made = Result(status, motion, None, 100, 5, message=message, cell=cell, verdict=verdict, wall_time=0.5)
         return replace(made, **changes)
 
     return build

@@ -59,7 +59,17 @@ def test_parametric_motions_infinite_history_and_failures_survive_too(tiny_probl
     free = replace(tiny_problem, end=EndCondition.FREE)
     history = np.array([[1.0, np.inf], [2.0, 3.1]])
     whole = Result(
-        cells[0], Status.NOT_CONVERGED, "é", motion, judge(free, motion), None, 2, 1, history, {"bound": 1 / 3}, 0.25
+        Status.NOT_CONVERGED,
+        motion,
+        None,
+        2,
+        1,
+        history,
+        "é",
+        {"bound": 1 / 3},
+        cell=cells[0],
+        verdict=judge(free, motion),
+        wall_time=0.25,
     )
     proved = replace(whole, motion=None, verdict=None, lower_bound=1 / 7)
     for result in (whole, proved, replace(whole, motion=None, verdict=None, status=Status.FAILED)):
@@ -81,7 +91,7 @@ def test_an_unknown_kind_of_motion_is_refused(cells):
     class Other:
         pass
 
-    result = Result(cells[0], Status.FINISHED, "", Other(), None, None, 0, 0, np.empty((0, 2)), {}, 0.0)
+    result = Result(Status.FINISHED, Other(), cell=cells[0])
     with pytest.raises(
         StudyError, match="must be one of Trajectory, ParametricTrajectory, the planner returned a Other"
     ):
