@@ -14,14 +14,14 @@ from functools import partial
 import numpy as np
 
 from study.bench import papers_way, peers
-from study.bench.measuring import Call, Ratio, interleaved, missing
+from study.bench.measuring import Call, Measurement, interleaved, missing
+from study.bench.searches import TOGETHER, runs_of
 from study.cases.library import load_case
 from study.curves import compiled, curve_named
 from study.formulation import Penalty
 from study.planners.other_searches import PSO_STANDARD
-from study.planning import Meter
 from study.problem import Problem
-from study.search.loop import minimise, minimise_many, with_engine
+from study.search.loop import with_engine
 from study.search.state import Box
 
 TOPIC = "End to end"
@@ -34,15 +34,15 @@ NAMES = {
     "pymoo": "pymoo with our compiled kernel",
     "pyswarms": "pyswarms with our compiled kernel",
 }
-TOGETHER = 30
 
 
-def end_to_end_rows(repetitions: int) -> list[Ratio]:
+def end_to_end_rows(repetitions: int) -> list[Measurement]:
     """Measure one run, and thirty runs as one batch, next to each peer."""
     problem = load_case(CASE).problem
     objective = Penalty(problem, compiled.with_engine(curve_named("poly353")))
     box = Box(*(np.full(problem.n_segments, bound) for bound in problem.duration_bounds))
-    calls: dict[str, Call] = {"one run": partial(_alone, objective, box), "30 runs": partial(_together, objective, box)}
+    shape, pso = (objective, box, POPULATION, GENERATIONS), PSO_STANDARD.search
+    calls = {"one run": runs_of(with_engine(pso), *shape), "30 runs": runs_of(pso, *shape, TOGETHER)}
     counts = {"one run": POPULATION * GENERATIONS, "30 runs": POPULATION * GENERATIONS * TOGETHER}
     there = [peer for peer in TARGETS if peers.installed(peer)]
     for peer in there:
@@ -51,7 +51,7 @@ def end_to_end_rows(repetitions: int) -> list[Ratio]:
     with peers.quiet():
         taken = interleaved(calls, repetitions, counts)
     rows = [
-        Ratio(TOPIC, _name(ours), NAMES[peer], "evaluation", taken[ours], taken[peer], target[peer])
+        Measurement(TOPIC, _name(ours), NAMES[peer], "evaluation", taken[ours], taken[peer], target[peer])
         for ours, target in (("one run", dict.fromkeys(TARGETS)), ("30 runs", TARGETS))
         for peer in there
     ]
@@ -62,16 +62,6 @@ def end_to_end_rows(repetitions: int) -> list[Ratio]:
 def _name(ours: str) -> str:
     many = f"{TOGETHER} runs as one batch" if ours != "one run" else "one run"
     return f"PSO on {CASE}, {POPULATION} x {GENERATIONS} evaluations, {many}"
-
-
-def _alone(objective: Penalty, box: Box) -> None:
-    meter = Meter(objective, POPULATION * GENERATIONS)
-    minimise(with_engine(PSO_STANDARD.search), meter, box, POPULATION, np.random.default_rng(1))
-
-
-def _together(objective: Penalty, box: Box) -> None:
-    rngs = [np.random.default_rng(seed) for seed in range(TOGETHER)]
-    minimise_many(PSO_STANDARD.search, objective, POPULATION * GENERATIONS, box, POPULATION, rngs)
 
 
 def _peer(name: str, problem: Problem, objective: Penalty, box: Box) -> Call:

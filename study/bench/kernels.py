@@ -9,7 +9,7 @@ import numpy as np
 
 from study import engine
 from study.bench import papers_way
-from study.bench.measuring import Call, Ratio, interleaved
+from study.bench.measuring import Call, Measurement, interleaved
 from study.curves import CURVES
 from study.curves.compiled import with_engine
 from study.problem import Floats
@@ -44,7 +44,7 @@ def peaks_call(curve: str, by: str, waypoints: Floats, durations: Floats, orders
     return lambda: chosen.peaks(waypoints, durations, orders)
 
 
-def kernel_rows(repetitions: int) -> list[Ratio]:
+def kernel_rows(repetitions: int) -> list[Measurement]:
     """Measure both curve families that have a papers' way."""
     rows = []
     for curve, (label, n_waypoints, n_joints, orders) in SETTINGS.items():
@@ -58,10 +58,14 @@ def kernel_rows(repetitions: int) -> list[Ratio]:
             target = TARGETS[curve, by]
             if by in taken:
                 rows.append(
-                    Ratio(TOPIC, f"{label}, {by}", "the papers' way", "candidate", taken[by], taken["papers"], target)
+                    Measurement(
+                        TOPIC, f"{label}, {by}", "the papers' way", "candidate", taken[by], taken["papers"], target
+                    )
                 )
             else:
-                rows.append(Ratio(TOPIC, f"{label}, {by}", "the papers' way", "", target=target, missing=NOT_THERE))
+                rows.append(
+                    Measurement(TOPIC, f"{label}, {by}", "the papers' way", "", target=target, missing=NOT_THERE)
+                )
     return rows + _bspline_rows(repetitions)
 
 
@@ -73,12 +77,12 @@ def _papers(peaks: Callable[[Floats, Floats], Floats], waypoints: Floats, durati
 NOT_THERE = "numba is not installed; install the extra `fast`"
 
 
-def _bspline_rows(repetitions: int) -> list[Ratio]:
+def _bspline_rows(repetitions: int) -> list[Measurement]:
     """B-spline, compiled against NumPy: no library has its exact extrema, so it has no papers' way."""
     label, peer = "B-spline, 5 segments, 6 joints, numba", "NumPy"
     if not engine.installed():
-        return [Ratio(TOPIC, label, peer, "", missing=NOT_THERE)]
+        return [Measurement(TOPIC, label, peer, "", missing=NOT_THERE)]
     waypoints, durations = sample(6, 6, POPULATION)
     calls = {by: peaks_call("bspline", by, waypoints, durations, (1, 2)) for by in engines()}
     taken = interleaved(calls, repetitions, dict.fromkeys(calls, POPULATION))
-    return [Ratio(TOPIC, label, peer, "candidate", taken[engine.NUMBA], taken[engine.NUMPY])]
+    return [Measurement(TOPIC, label, peer, "candidate", taken[engine.NUMBA], taken[engine.NUMPY])]

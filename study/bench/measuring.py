@@ -17,8 +17,8 @@ SHORTEST = 0.02
 
 
 @dataclass(frozen=True)
-class Ratio:
-    """Ratio of a peer's time to ours, over repetitions.
+class Measurement:
+    """Times of one thing over repetitions, beside a peer's, an allowance, or nothing.
 
     Attributes
     ----------
@@ -29,9 +29,11 @@ class Ratio:
     seconds, peer_seconds : tuples of float
         Processor seconds of each repetition.
     target : float, optional
-        Ratio that the project has set itself.
+        Ratio of the peer's time to ours that the project has set itself.
     missing : str
         Why there is no measurement.
+    most : float, optional
+        Seconds that the project allows itself.
     """
 
     topic: str
@@ -42,6 +44,7 @@ class Ratio:
     peer_seconds: tuple[float, ...] = ()
     target: float | None = None
     missing: str = ""
+    most: float | None = None
 
     @property
     def ratios(self) -> tuple[float, ...]:
@@ -55,37 +58,10 @@ class Ratio:
 
     @property
     def met(self) -> bool | None:
-        """Whether the median reaches the target; none without a target or a measurement."""
+        """Whether the median reaches the target or keeps the allowance; none without either, or without a measurement."""
+        if self.most is not None:
+            return median(self.seconds) <= self.most
         return None if self.target is None or not self.peer_seconds else self.middle >= self.target
-
-
-@dataclass(frozen=True)
-class Limit:
-    """An absolute bound on what one thing may cost.
-
-    Attributes
-    ----------
-    topic, name, unit : str
-    seconds : tuple of float
-    most : float
-        Seconds that the project allows itself.
-    """
-
-    topic: str
-    name: str
-    unit: str
-    seconds: tuple[float, ...]
-    most: float
-
-    @property
-    def middle(self) -> float:
-        """Median, seconds."""
-        return median(self.seconds)
-
-    @property
-    def met(self) -> bool:
-        """Whether the median is within the bound."""
-        return self.middle <= self.most
 
 
 def interleaved(calls: Mapping[str, Call], repetitions: int, counts: Mapping[str, int]) -> dict[str, tuple[float, ...]]:
@@ -126,11 +102,11 @@ def _seconds(call: Call, loops: int) -> float:
     return time.process_time() - begun
 
 
-def missing(topic: str, name: str, peer: str, target: float | None = None) -> Ratio:
+def missing(topic: str, name: str, peer: str, target: float | None = None) -> Measurement:
     """Row of a comparison whose peer is not installed."""
-    return Ratio(topic, name, peer, "", target=target, missing=f"{peer.split()[0]} is not installed")
+    return Measurement(topic, name, peer, "", target=target, missing=f"{peer.split()[0]} is not installed")
 
 
-def unmet(rows: Sequence[Ratio | Limit]) -> list[Ratio | Limit]:
+def unmet(rows: Sequence[Measurement]) -> list[Measurement]:
     """Rows that miss their target."""
     return [row for row in rows if row.met is False]

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from study.analysis.case_summary import summarise
-from study.bench.measuring import Ratio, interleaved
+from study.bench.measuring import Measurement, interleaved
 from study.cases.library import load_case
 from study.runs.environment import environment
 from study.runs.execute import CellJob
@@ -18,7 +18,7 @@ CASE = "woodworking"
 PLANNERS = ("pso", "golds-pso", "casadi-nlp", "ruckig-stops")
 
 
-def output_rows(repetitions: int) -> list[Ratio]:
+def output_rows(repetitions: int) -> list[Measurement]:
     """Write the report and the recording of a small run, again and again, into a folder that is then removed."""
     from study.recording import record_case
     from study.report.page import build_report  # here: plotting and recording are slow to import
@@ -35,5 +35,6 @@ def output_rows(repetitions: int) -> list[Ratio]:
         }
         taken = interleaved(calls, repetitions, dict.fromkeys(calls, 1))
     return [
-        Ratio(TOPIC, f"{name} of {CASE}, {len(results)} runs", "", name, seconds) for name, seconds in taken.items()
+        Measurement(TOPIC, f"{name} of {CASE}, {len(results)} runs", "", name, seconds)
+        for name, seconds in taken.items()
     ]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from study.bench.measuring import Ratio, interleaved
+from study.bench.measuring import Measurement, interleaved
 from study.cases.library import load_case
 from study.errors import StudyError
 from study.planning import Plan, RunSettings, Status
@@ -22,12 +22,12 @@ QUICK_CASES = ("woodworking", "ur5-helix")
 CASES = ("woodworking", "aubo-i5", "puma560", "ur5-bspline", "ur5-helix")
 
 
-def reference_rows(repetitions: int, quick: bool) -> list[Ratio]:
+def reference_rows(repetitions: int, quick: bool) -> list[Measurement]:
     """Measure one plan of every planner on every case; TOPP-RA's row has a peer."""
     return [row for name in (QUICK_CASES if quick else CASES) for row in _case_rows(name, repetitions)]
 
 
-def _case_rows(name: str, repetitions: int) -> list[Ratio]:
+def _case_rows(name: str, repetitions: int) -> list[Measurement]:
     case = load_case(name)
     rows = []
     logging.getLogger("toppra").setLevel(logging.WARNING)
@@ -37,20 +37,20 @@ def _case_rows(name: str, repetitions: int) -> list[Ratio]:
             plan = partial(planner_named(planner).plan, case.problem, RunSettings(curve=case.settings.curve))
             rows.append(_row(label, planner, plan, case.problem, repetitions))
         except StudyError as error:
-            rows.append(Ratio(TOPIC, label, "", "plan", missing=str(error)))
+            rows.append(Measurement(TOPIC, label, "", "plan", missing=str(error)))
     return rows
 
 
-def _row(label: str, planner: str, plan: partial[Plan], problem: Problem, repetitions: int) -> Ratio:
+def _row(label: str, planner: str, plan: partial[Plan], problem: Problem, repetitions: int) -> Measurement:
     result = plan()
     if result.status is not Status.FINISHED:
-        return Ratio(TOPIC, label, "", "plan", missing=result.message or result.status.value)
+        return Measurement(TOPIC, label, "", "plan", missing=result.message or result.status.value)
     calls: dict[str, partial[Any]] = {"ours": plan}
     if planner == "toppra":
         calls["default"] = partial(toppra_by_default, problem)
     taken = interleaved(calls, repetitions, dict.fromkeys(calls, 1))
     peer = "TOPP-RA's own default, whose motion may break limits" if planner == "toppra" else ""
-    return Ratio(TOPIC, label, peer, "plan", taken["ours"], taken.get("default", ()))
+    return Measurement(TOPIC, label, peer, "plan", taken["ours"], taken.get("default", ()))
 
 
 def toppra_by_default(problem: Problem) -> Any:

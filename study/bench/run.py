@@ -9,13 +9,14 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+
+from pydantic import TypeAdapter
 
 from study import engine
 from study.bench.end_to_end import end_to_end_rows
 from study.bench.growth import Point, growth_points
 from study.bench.kernels import kernel_rows
-from study.bench.measuring import Limit, Ratio
+from study.bench.measuring import Measurement
 from study.bench.output import output_rows
 from study.bench.references import reference_rows
 from study.bench.searches import search_rows
@@ -39,7 +40,7 @@ class Bench:
     quick : bool
     compile_seconds : mapping of str to float
         Time to make each kernel ready: compiled anew, or read from numba's cache where an earlier run left it.
-    rows : tuple of Ratio and Limit
+    rows : tuple of Measurement
     growth : tuple of Point
     peak_bytes : int
         Largest memory of the whole process so far.
@@ -48,7 +49,7 @@ class Bench:
     environment: Mapping[str, str]
     quick: bool
     compile_seconds: Mapping[str, float]
-    rows: tuple[Ratio | Limit, ...]
+    rows: tuple[Measurement, ...]
     growth: tuple[Point, ...]
     peak_bytes: int
 
@@ -66,7 +67,7 @@ def measure(quick: bool, told: Told) -> Bench:
     n = QUICK_REPETITIONS if quick else REPETITIONS
     told("kernels")
     seconds = _compile_seconds()
-    rows: list[Ratio | Limit] = [*kernel_rows(n)]
+    rows: list[Measurement] = [*kernel_rows(n)]
     told("searches")
     rows += search_rows(n)
     told("end to end")
@@ -102,12 +103,8 @@ def write(bench: Bench, path: Path) -> None:
     StudyError
         If the file cannot be written.
     """
-    record = asdict(bench) | {
-        "version": VERSION,
-        "python": sys.version,
-        "rows": [asdict(row) | {"kind": type(row).__name__, "met": row.met} for row in bench.rows],
-    }
-    write_file(path, json.dumps(record, indent=1))
+    rows = [asdict(row) | {"met": row.met} for row in bench.rows]
+    write_file(path, json.dumps(asdict(bench) | {"version": VERSION, "python": sys.version, "rows": rows}, indent=1))
 
 
 def read(path: Path) -> Bench:
@@ -122,15 +119,6 @@ def read(path: Path) -> Bench:
         record = json.loads(read_text(path))
         if record["version"] != VERSION:
             raise StudyError(f"{path}: expected measurements of version {VERSION}, got version {record['version']}")
-        rows = tuple(_row(row) for row in record["rows"])
-        growth = tuple(Point(**point | {"seconds": tuple(point["seconds"])}) for point in record["growth"])
+        return TypeAdapter(Bench).validate_python(record)
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise StudyError(f"{path}: not the measurements of a bench ({error}); write them with `study bench`") from None
-    return Bench(record["environment"], record["quick"], record["compile_seconds"], rows, growth, record["peak_bytes"])
-
-
-def _row(record: dict[str, Any]) -> Ratio | Limit:
-    fields: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in record.items()}
-    kind = fields.pop("kind")
-    del fields["met"]
-    return Limit(**fields) if kind == "Limit" else Ratio(**fields)

@@ -5,16 +5,19 @@ Ours take their compiled steps where they have any and numba is there, as in a l
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from study.bench import peers
-from study.bench.measuring import Call, Limit, Ratio, interleaved, missing
+from study.bench.measuring import Call, Measurement, interleaved, missing
 from study.planners import aubo, other_searches, puma, smwoa, sparrow, woodworking
 from study.planners.segment_times import SegmentTimePlanner
 from study.planning import Meter
 from study.problem import Floats
 from study.search.loop import minimise, minimise_many, with_engine
-from study.search.state import BatchedSearch, Box
+from study.search.state import BatchedSearch, Box, Search
 
 TOPIC = "Search overhead"
 POPULATION, DIMENSIONS = 100, 5
@@ -57,49 +60,55 @@ def first_number(x: Floats) -> float:
     return float(x[0])
 
 
-def ours(name: str, generations: int = GENERATIONS) -> Call:
-    """Run one of our searches."""
-    search = with_engine(SEARCHES[name].search)
+def runs_of(
+    search: Search[Any],
+    objective: Callable[[Floats], Floats],
+    box: Box,
+    population: int,
+    generations: int,
+    runs: int = 1,
+) -> Call:
+    """Run a search once, or so many times as one batch."""
+    budget = population * generations
 
     def call() -> None:
-        meter = Meter(first_column, POPULATION * generations)
-        minimise(search, meter, BOX, POPULATION, np.random.default_rng(1))
+        rngs = [np.random.default_rng(seed) for seed in range(1, runs + 1)]
+        if runs == 1:
+            minimise(search, Meter(objective, budget), box, population, rngs[0])
+        else:
+            minimise_many(search, objective, budget, box, population, rngs)
 
     return call
 
 
-def together(name: str) -> Call:
-    """Run one of our searches many times, as one batch."""
-    search = with_engine(SEARCHES[name].search)
-
-    def call() -> None:
-        rngs = [np.random.default_rng(seed) for seed in range(TOGETHER)]
-        minimise_many(search, first_column, POPULATION * GENERATIONS, BOX, POPULATION, rngs)
-
-    return call
+def ours(name: str, runs: int = 1, generations: int = GENERATIONS) -> Call:
+    """Run one of our searches, once or many times as one batch."""
+    return runs_of(with_engine(SEARCHES[name].search), first_column, BOX, POPULATION, generations, runs)
 
 
-def search_rows(repetitions: int) -> list[Ratio | Limit]:
+def search_rows(repetitions: int) -> list[Measurement]:
     """Measure every search alone and next to the packages that have it, and as a batch where its runs share arrays."""
-    rows: list[Ratio | Limit] = []
+    rows: list[Measurement] = []
     with peers.quiet():
         for name, planner in SEARCHES.items():
             calls = {name: ours(name)}
             if isinstance(planner.search, BatchedSearch):
-                calls[f"{name}, {TOGETHER} runs as one batch"] = together(name)
+                calls[f"{name}, {TOGETHER} runs as one batch"] = ours(name, TOGETHER)
             rows += _rows(calls, _peers(name), repetitions)
     absent = [peer for peer in TARGETS if not peers.installed(peer)]
     return rows + [missing(TOPIC, "all searches", peer, TARGETS[peer]) for peer in absent]
 
 
-def _rows(calls: dict[str, Call], others: dict[str, Call], repetitions: int) -> list[Ratio | Limit]:
+def _rows(calls: dict[str, Call], others: dict[str, Call], repetitions: int) -> list[Measurement]:
     counts = dict(zip(calls, (POPULATION * GENERATIONS, TOGETHER * POPULATION * GENERATIONS), strict=False))
     counts |= {peer: POPULATION * _generations(peer) for peer in others}
     taken = interleaved(calls | others, repetitions, counts)
-    rows: list[Ratio | Limit] = []
+    rows: list[Measurement] = []
     for label in calls:
-        rows.append(Limit(TOPIC, label, "evaluation", taken[label], MOST))
-        rows += [Ratio(TOPIC, label, peer, "evaluation", taken[label], taken[peer], TARGETS[peer]) for peer in others]
+        rows.append(Measurement(TOPIC, label, "", "evaluation", taken[label], most=MOST))
+        rows += [
+            Measurement(TOPIC, label, peer, "evaluation", taken[label], taken[peer], TARGETS[peer]) for peer in others
+        ]
     return rows
 
 

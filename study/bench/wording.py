@@ -6,34 +6,26 @@ from collections.abc import Iterator, Sequence
 from statistics import median
 
 from study.analysis.formatting import ratio, wall
-from study.bench.measuring import Limit, Ratio, unmet
+from study.bench.measuring import Measurement, unmet
 from study.bench.run import Bench
 
 HEAD = ("measured", "against", "ours", "times as fast", "least - most", "target", "")
 
 
-def cells(row: Ratio | Limit) -> tuple[str, ...]:
+def cells(row: Measurement) -> tuple[str, ...]:
     """Texts of one row of the table, in the order of its head."""
-    if isinstance(row, Limit):
-        spread = f"{wall(min(row.seconds))} - {wall(max(row.seconds))}"
-        cost = f"{wall(row.middle)} per {row.unit}"
-        return row.name, "", cost, "", spread, f"at most {wall(row.most)}", verdict(row.met)
     target = "" if row.target is None else f"at least {ratio(row.target)}"
+    target = target if row.most is None else f"at most {wall(row.most)}"
     if row.missing:
         return row.name, row.peer, row.missing, "", "", target, "not measured"
     cost = f"{wall(median(row.seconds))} per {row.unit}"
-    if not row.peer_seconds:
-        return row.name, row.peer, cost, "", f"{wall(min(row.seconds))} - {wall(max(row.seconds))}", "", ""
-    spread = f"{ratio(min(row.ratios))} - {ratio(max(row.ratios))}"
-    return row.name, row.peer, cost, ratio(row.middle), spread, target, verdict(row.met)
+    values, shown = (row.ratios, ratio) if row.peer_seconds else (row.seconds, wall)
+    spread = f"{shown(min(values))} - {shown(max(values))}"
+    times = ratio(row.middle) if row.peer_seconds else ""
+    return row.name, row.peer, cost, times, spread, target, {None: "", True: "met", False: "not met"}[row.met]
 
 
-def verdict(met: bool | None) -> str:
-    """Say whether a target is met."""
-    return {None: "", True: "met", False: "not met"}[met]
-
-
-def topics(rows: Sequence[Ratio | Limit]) -> Iterator[tuple[str, list[Ratio | Limit]]]:
+def topics(rows: Sequence[Measurement]) -> Iterator[tuple[str, list[Measurement]]]:
     """Rows by topic, in their order."""
     for topic in dict.fromkeys(row.topic for row in rows):
         yield topic, [row for row in rows if row.topic == topic]
@@ -43,7 +35,7 @@ def summary(bench: Bench) -> list[str]:
     """Sentences that say what was met and what was not."""
     judged = [row for row in bench.rows if row.met is not None]
     failed = unmet(bench.rows)
-    absent = [row for row in bench.rows if isinstance(row, Ratio) and row.missing]
+    absent = [row for row in bench.rows if row.missing]
     texts = [f"{len(judged) - len(failed)} of {len(judged)} targets are met."]
     for row in failed:
         name, peer, cost, ratio, _, target, _ = cells(row)

@@ -7,10 +7,8 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.table import Table
 
 from study.bench import wording
-from study.bench.measuring import Limit, Ratio
 from study.bench.parts import PARTS, measured
 from study.bench.run import measure, write
 from study.cli.screen import fitted, make_console
@@ -34,7 +32,8 @@ def bench(
     with console.status("measuring") as status:
         bench = measure(quick, lambda part: status.update(f"measuring: {part}"))
     for topic, rows in wording.topics(bench.rows):
-        console.print(_table(topic, rows))
+        left = [head for head in wording.HEAD if head not in ("ours", "times as fast")]
+        console.print(fitted(console, topic, wording.HEAD, [*map(wording.cells, rows)], left=left, wraps=left))
     for sentence in wording.summary(bench):
         console.print(sentence)
     write(bench, out)
@@ -50,12 +49,3 @@ def _print_part(name: str, seed: int, console: Console) -> None:
     console.print(fitted(console, part.title, part.head, part.rows, left=part.head[:1], wraps=part.head[:1]))
     for sentence in part.sentences:
         console.print(sentence)
-
-
-def _table(topic: str, rows: list[Ratio | Limit]) -> Table:
-    table = Table(title=topic, title_justify="left", header_style="bold")
-    for text in wording.HEAD:
-        table.add_column(text, justify="right" if text in ("ours", "times as fast") else "left")
-    for row in rows:
-        table.add_row(*wording.cells(row))
-    return table

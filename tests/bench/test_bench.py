@@ -15,7 +15,7 @@ from study.analysis.formatting import wall
 from study.bench import growth, papers_way, searches, wording
 from study.bench.growth import Point, peak_bytes
 from study.bench.kernels import peaks_call, sample
-from study.bench.measuring import Limit, Ratio, interleaved, unmet
+from study.bench.measuring import Measurement, interleaved, unmet
 from study.bench.page import write_page
 from study.bench.run import Bench, read, write
 from study.curves import CURVES
@@ -27,10 +27,10 @@ from study.search.loop import minimise
 from study.search.state import Box
 
 ROWS = (
-    Ratio("Kernels", "3-5-3", "the papers' way", "candidate", (1e-6, 2e-6, 1e-6), (3e-3, 3e-3, 1e-3), 2000.0),
-    Ratio("Kernels", "spline", "the papers' way", "candidate", (1e-6,), (5e-4,), 700.0),
-    Ratio("End to end", "PSO", "mealpy", "", target=20.0, missing="mealpy is not installed"),
-    Limit("Search overhead", "pso", "evaluation", (5e-7, 6e-7), 1e-6),
+    Measurement("Kernels", "3-5-3", "the papers' way", "candidate", (1e-6, 2e-6, 1e-6), (3e-3, 3e-3, 1e-3), 2000.0),
+    Measurement("Kernels", "spline", "the papers' way", "candidate", (1e-6,), (5e-4,), 700.0),
+    Measurement("End to end", "PSO", "mealpy", "", target=20.0, missing="mealpy is not installed"),
+    Measurement("Search overhead", "pso", "", "evaluation", (5e-7, 6e-7), most=1e-6),
 )
 POINTS = tuple(
     Point(axis, curve, by, size, (1e-6 * size, 2e-6 * size), 1000 * size)
