@@ -89,7 +89,7 @@ class BSpline:
                 height, slope = slack(path, time_rates(windows, point), order)
                 rows.append(height - correction * slope**2)
                 p += path
-        return Rows(e, ca.vertcat(*p), ca.sum1(rows[0]), ca.vertcat(*rows), equal=0)
+        return Rows(e, ca.vertcat(*p), ca.sum1(rows[0]), ca.vertcat(*rows))
 
     def lift(self, problem: Problem, durations: Floats) -> Floats:
         """Steps of the control points that give these durations."""

@@ -20,15 +20,14 @@ from study.problem import Floats, Problem
 class Rows:
     """Symbolic side of a model: variables, parameters, the sum of durations and the rows.
 
-    The first `equal` rows are equations, the next `limited` ones limits without a point, the rest belong to the slots,
-    order by order. Where the model is proximal its last parameters are the variables that the solve starts from.
+    Rows that belong to no slot come first, then those of the slots, order by order. Where the model is proximal its last
+    parameters are the variables that the solve starts from.
     """
 
     x: Any
     p: Any
     total: Any
     g: Any
-    equal: int
     proximal: bool = False
 
 

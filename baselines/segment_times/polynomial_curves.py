@@ -167,7 +167,7 @@ class Poly353(PolynomialFamily):
         middle = [0, *polynomial.hermite_quintic(d[1, :], v1, v2, a1, a2)]
         rows = [r for k in self.orders for r in rate_rows(middle, h[1], weights[k - 1, :], k, u[k])]
         p = ca.vertcat(ca.vec(d), ca.vec(weights), *stacked(u))
-        return Rows(h, p, ca.sum1(h), ca.vertcat(*rows), equal=0)
+        return Rows(h, p, ca.sum1(h), ca.vertcat(*rows))
 
     def lift(self, problem: Problem, durations: Floats) -> Floats:
         """Variables of given durations: the durations."""
@@ -206,11 +206,6 @@ class CubicSpline(PolynomialFamily):
         return self.n_waypoints + 1 if self.smooth else self.n_waypoints - 1
 
     @property
-    def n_accelerations(self) -> int:
-        """Knots whose acceleration is unknown; as many as there are equations for one joint."""
-        return self.n_waypoints
-
-    @property
     def slot_shapes(self) -> dict[int, tuple[int, int, int]]:
         """Points for velocity alone."""
         return {1: (self.n_pieces, self.n_joints, 3)} if 1 in self.orders else {}
@@ -218,7 +213,7 @@ class CubicSpline(PolynomialFamily):
     def rows(self) -> Rows:
         """Build the symbolic model: equal velocities at the knots, then jerk, then velocity at the points."""
         joints = self.n_joints
-        h, m = ca.SX.sym("h", self.n_waypoints - 1), ca.SX.sym("m", self.n_accelerations, joints)
+        h, m = ca.SX.sym("h", self.n_waypoints - 1), ca.SX.sym("m", self.n_waypoints, joints)
         d, weights, u = ca.SX.sym("d", h.shape[0], joints), ca.SX.sym("w", 3, joints), slot_symbols(self.slot_shapes)
         widths, knots, steps = _halved(h, m, d) if self.smooth else (h, m, d)
         wide = ca.repmat(widths, 1, joints)
@@ -231,7 +226,7 @@ class CubicSpline(PolynomialFamily):
         if 1 in self.orders:
             rows += rate_rows(pieces, widths, weights[0, :], 1, u[1])
         p = ca.vertcat(ca.vec(d), ca.vec(weights), *stacked(u))
-        return Rows(ca.vertcat(h, ca.vec(m)), p, ca.sum1(h), ca.vertcat(*rows), equal=self.n_accelerations * joints)
+        return Rows(ca.vertcat(h, ca.vec(m)), p, ca.sum1(h), ca.vertcat(*rows))
 
     def _equations(self, start: Any, stop: Any) -> Any:
         """Velocity steps at the knots; at the ends the clamped spline has to stop, the smooth spline does by itself."""
@@ -255,13 +250,13 @@ class CubicSpline(PolynomialFamily):
 
     def variable_bounds(self, problem: Problem) -> tuple[Floats, Floats]:
         """Shortest durations, and the acceleration limits."""
-        peak = np.broadcast_to(problem.limits.acceleration, (self.n_accelerations, self.n_joints))
+        peak = np.broadcast_to(problem.limits.acceleration, (self.n_waypoints, self.n_joints))
         lower = np.full(self.n_waypoints - 1, shortest_of(problem))
         return np.concatenate([lower, -flat(peak)]), np.concatenate([np.full_like(lower, np.inf), flat(peak)])
 
     def row_bounds(self, problem: Problem, slots: dict[int, Slots]) -> tuple[Floats, Floats]:
         """Zero for the equations, [-1, 1] for the limits."""
-        upper = [np.zeros(self.n_accelerations * self.n_joints)]
+        upper = [np.zeros(self.n_waypoints * self.n_joints)]
         if 3 in self.orders:
             finite = np.where(np.isfinite(problem.limits.jerk), 1.0, np.inf)
             upper.append(flat(np.broadcast_to(finite, (self.n_pieces, self.n_joints))))

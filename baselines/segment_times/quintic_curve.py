@@ -60,7 +60,7 @@ class Quintic(PolynomialFamily):
         start = ca.SX.sym("start", *x.shape)
         p = ca.vertcat(ca.vec(d), ca.vec(weights), *stacked(u), start)
         total = ca.sum1(h) + PULL * ca.sumsqr(x[n:] - start[n:])
-        return Rows(x, p, total, ca.vertcat(*rows), equal=0, proximal=True)
+        return Rows(x, p, total, ca.vertcat(*rows), proximal=True)
 
     def lift(self, problem: Problem, durations: Floats) -> Floats:
         """Rates at the waypoints of the clamped cubic spline with these durations."""

@@ -33,9 +33,6 @@ from study.trajectory import Motion
 
 FORMS = (".yaml", ".csv", ".npz", ".exact.json")
 
-File = Annotated[
-    Path, typer.Argument(metavar="FILE", help="A case (YAML or JSON), or waypoints alone: CSV or a JointTrajectory.")
-]
 Files = Annotated[
     list[Path],
     typer.Argument(metavar="FILE...", help="Cases (YAML or JSON), or waypoints alone: CSV or a JointTrajectory."),

@@ -129,6 +129,18 @@ class PaperRuns:
         per_seed = np.array(records[0]["durations"]) if len(jobs) == 1 else synchronised(records)
         return summarised(load_case(case), per_seed, joint)
 
+    def shorter(self, first: Summary | None, second: Summary | None) -> Comparison:
+        """Compare the totals of our feasible runs of two searches."""
+        return compared(*(self.totals(ours) or [np.inf] for ours in (first, second)))
+
+    def panel(
+        self, case: str, jobs: Mapping[str, RecordJob], marks: Mapping[str, float], joint: int | None = None
+    ) -> Panel:
+        """Convergence of several searches on a joint, or on all together, with the printed values and the optimum."""
+        title = "all joints, total time in s" if joint is None else f"joint {joint + 1}"
+        lines = {name: self.line(job) for name, job in jobs.items()}
+        return Panel(title, lines, marks=marks, least=self.fastest(case, joint))
+
     def drive(
         self, case: str, printed: Floats, label: str, ours: Summary | None, before: Floats | None = None
     ) -> Drive:

@@ -231,13 +231,13 @@ class Aubo(PaperRuns):
         names = {"adaptive PSO": STATED, "standard PSO": "PSO"}
         marks = {0: (3.3, 3.4), 2: (1.5, 1.6)}
         return [
-            Panel(
-                f"joint {joint + 1}",
-                {label: self.line(self.motion("aubo-i5", name, joint)) for label, name in names.items()},
-                marks=dict(zip(names, marks.get(joint, ()), strict=False)),
-                least=self.fastest("aubo-i5", joint),
+            self.panel(
+                "aubo-i5",
+                {label: self.motion("aubo-i5", name, j) for label, name in names.items()},
+                dict(zip(names, marks.get(j, ()), strict=False)),
+                j,
             )
-            for joint in JOINTS
+            for j in JOINTS
         ]
 
     def drives(self) -> list[Drive]:

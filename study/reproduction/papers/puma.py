@@ -221,13 +221,8 @@ class Puma(PaperRuns):
         """Convergence on every joint."""
         table = self.tables["Table 5"]
         return [
-            Panel(
-                f"joint {joint + 1}",
-                {"SPSO": self.line(self.motion(joint))},
-                marks={"SPSO": table.value("total time", f"joint {joint + 1}")},
-                least=self.fastest(CASE, joint),
-            )
-            for joint in JOINTS
+            self.panel(CASE, {"SPSO": self.motion(j)}, {"SPSO": table.value("total time", f"joint {j + 1}")}, j)
+            for j in JOINTS
         ]
 
     def drives(self) -> list[Drive]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy import stats
 
@@ -36,21 +34,24 @@ def mean_ranks(table: Table, head: str) -> dict[str, float]:
 
 def _least_values(table: Table, ours: BenchmarkTable) -> Rulings:
     """Statements that SPSO has the least deviation or minimum on a function."""
-    stated: dict[str, tuple[str, Callable[[list[float]], float]]] = {
-        "least-deviation-f2": ("F2, std", lambda finals: float(np.std(finals, ddof=1))),
-        "least-deviation-f4": ("F4, std", lambda finals: float(np.std(finals, ddof=1))),
-        "f3-deviation": ("F3, std", lambda finals: float(np.std(finals, ddof=1))),
-        "f5-stability": ("F5, std", lambda finals: float(np.std(finals, ddof=1))),
-        "least-minimum-f2": ("F2, min", min),
-        "least-minimum-f6": ("F6, min", min),
-        "f1-smallest": ("F1, min", min),
+    stated = {
+        "least-deviation-f2": "F2, std",
+        "least-deviation-f4": "F4, std",
+        "f3-deviation": "F3, std",
+        "f5-stability": "F5, std",
+        "least-minimum-f2": "F2, min",
+        "least-minimum-f6": "F6, min",
+        "f1-smallest": "F1, min",
     }
-    return {claim(identity): _least(table, ours, row, key) for identity, (row, key) in stated.items()}
+    return {claim(identity): _least(table, ours, row) for identity, row in stated.items()}
 
 
-def _least(table: Table, ours: BenchmarkTable, row: str, key: Callable[[list[float]], float]) -> Ruling:
+def _least(table: Table, ours: BenchmarkTable, row: str) -> Ruling:
     """Rule by the printed cells; where they bear the statement out, by our runs."""
-    values = {column: key(list(ours.record(row[:2], column)["finals"])) for column in table.columns}
+    (function, head), values = row.split(", "), {}
+    for column in table.columns:
+        finals = ours.record(function, column)["finals"]
+        values[column] = float(np.std(finals, ddof=1)) if head == "std" else min(finals)
     text = ", ".join(f"{column} {value:.3g}" for column, value in values.items())
     printed = min(table.columns, key=lambda column: table.value(row, column))
     if printed != OWN:

@@ -150,10 +150,7 @@ class Smwoa(PaperRuns):
         text = ", ".join(f"{column} {won}:{lost}" for column, (won, lost) in scores.items())
         best = all(won > lost for won, lost in scores.values())
         told = "functions on which SMWOA is significantly smaller : larger in our runs"
-        tests = {
-            name: compared(self.totals(self.summary("SMWOA")) or [np.inf], self.totals(self.summary(name)) or [np.inf])
-            for name in ("SMA", "WOA")
-        }
+        tests = {name: self.shorter(self.summary("SMWOA"), self.summary(name)) for name in ("SMA", "WOA")}
         medians = ", ".join(f"{n} {np.median(self.totals(self.summary(n)) or [np.inf]):.4f} s" for n in SEARCHES)
         return {
             claim("best-overall"): rules.holds(best, text, told),
@@ -180,8 +177,7 @@ class Smwoa(PaperRuns):
     def panels(self) -> list[Panel]:
         """Convergence of the three algorithms on the arm."""
         marks = {name: self.tables["Table 6"].value(name, "total") for name in SEARCHES}
-        lines = {name: self.line(self.motion(name)) for name in SEARCHES}
-        return [Panel("all joints, total time in s", lines, marks=marks, least=self.fastest(CASE))]
+        return [self.panel(CASE, {name: self.motion(name) for name in SEARCHES}, marks)]
 
     def drives(self) -> list[Drive]:
         """Printed, ours and fastest motion."""

@@ -154,15 +154,11 @@ class Sparrow(PaperRuns):
             "how much is saved depends on what the eight solutions share, and no code is given; ours "
             "shares nothing between them"
         )
-        runs = missing(reason, text)
-        printed = rules.exact(
-            "39.76%", 100 * (1 - domain / eight), Basis.PRINT, f"100 ({eight:g} - {domain:g}) / {eight:g}"
-        )
-        rounded = rules.exact(
-            "40%", 100 * (1 - domain / eight), Basis.PRINT, f"100 ({eight:g} - {domain:g}) / {eight:g}"
-        )
-        gathered: Rulings = {claim(name, BY_RUNS): runs for name in ("ik-saving", "ik-saving-abstract")}
-        gathered |= {claim("ik-saving", IN_PRINT): printed, claim("ik-saving-abstract", IN_PRINT): rounded}
+        share, sum_of = 100 * (1 - domain / eight), f"100 ({eight:g} - {domain:g}) / {eight:g}"
+        gathered: Rulings = {}
+        for name, printed in (("ik-saving", "39.76%"), ("ik-saving-abstract", "40%")):
+            gathered[claim(name, BY_RUNS)] = missing(reason, text)
+            gathered[claim(name, IN_PRINT)] = rules.exact(printed, share, Basis.PRINT, sum_of)
         for name, way in (("ik-time-eight", "eight"), ("ik-time-domain", "one")):
             ours = (
                 f"{1e3 * seconds[f'scalar {way}']:.3g} ms a pose, one by one; "
@@ -256,8 +252,7 @@ class Sparrow(PaperRuns):
     def panels(self) -> list[Panel]:
         """Convergence of the four variants, the paper's Figure 7."""
         marks = {name: self.claims[f"best-{name.lower()}"].value for name in SEARCHES}
-        lines = {name: self.line(self.motion(name)) for name in SEARCHES}
-        return [Panel("all joints, total time in s", lines, marks=marks, least=self.fastest(CASE))]
+        return [self.panel(CASE, {name: self.motion(name) for name in SEARCHES}, marks)]
 
     def drives(self) -> list[Drive]:
         """Printed, ours and fastest motion, the paper's Figure 8."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import product
 from typing import Any, ClassVar
 
@@ -16,7 +17,7 @@ from study.reproduction.motion_runs import MotionJob, OptimumJob, Summary, judge
 from study.reproduction.paper import Drive, Panel, PaperRuns
 from study.reproduction.papers import woodworking_benchmarks
 from study.reproduction.readings import CITED_LAMBDA
-from study.reproduction.sampling import compared, converse, in_every
+from study.reproduction.sampling import converse, in_every
 from study.reproduction.uniformity import denser, more_even, more_uniform
 from study.reproduction.verdicts import BY_RUNS, Basis, Outcome, Ruling, Rulings, claim
 from study.search.golds_pso import s_curve
@@ -177,27 +178,17 @@ class Woodworking(PaperRuns):
 
     def _orders(self) -> Rulings:
         """Statements about an order of convergence and of times."""
-
+        ours, pso, golden = (partial(self.motion, name) for name in ("GoldS-PSO", "PSO", "Gold-SA"))
         shortest = {
-            f"joint {joint + 1} against {other}": compared(
-                *(self.totals(self.summary(n, joint)) or [np.inf] for n in ("GoldS-PSO", other))
-            )
-            for joint, other in product(JOINTS, ("PSO", "Gold-SA"))
+            f"joint {j + 1} against {other}": self.shorter(self.summary("GoldS-PSO", j), self.summary(other, j))
+            for j, other in product(JOINTS, ("PSO", "Gold-SA"))
         }
-        behind = {
-            f"joint {joint + 1}": compared(
-                *(self.totals(self.summary(n, joint)) or [np.inf] for n in ("PSO", "Gold-SA"))
-            )
-            for joint in (1, 3)
-        }
-        level = self.everywhere(lambda j: self.motion("GoldS-PSO", j), lambda j: self.motion("Gold-SA", j), JOINTS)
+        behind = {f"joint {j + 1}": self.shorter(self.summary("PSO", j), self.summary("Gold-SA", j)) for j in (1, 3)}
         return {
             claim("shortest-joints"): in_every(shortest),
             claim("gold-sa-behind-pso"): in_every(behind),
-            claim("faster-than-pso"): self.everywhere(
-                lambda j: self.motion("GoldS-PSO", j), lambda j: self.motion("PSO", j), JOINTS
-            ),
-            claim("level-with-gold-sa"): converse(level, "GoldS-PSO before Gold-SA"),
+            claim("faster-than-pso"): self.everywhere(ours, pso, JOINTS),
+            claim("level-with-gold-sa"): converse(self.everywhere(ours, golden, JOINTS), "GoldS-PSO before Gold-SA"),
         }
 
     def _formulas(self) -> Rulings:
@@ -247,13 +238,13 @@ class Woodworking(PaperRuns):
         """Convergence on every joint, the paper's Figure 11."""
         table = self.tables["Table 5"]
         return [
-            Panel(
-                f"joint {joint + 1}",
-                {name: self.line(self.motion(name, joint)) for name in SEARCHES},
-                marks={name: table.value(f"{name}, joint {joint + 1}", "T_total") for name in SEARCHES},
-                least=self.fastest(CASE, joint),
+            self.panel(
+                CASE,
+                {name: self.motion(name, j) for name in SEARCHES},
+                {name: table.value(f"{name}, joint {j + 1}", "T_total") for name in SEARCHES},
+                j,
             )
-            for joint in JOINTS
+            for j in JOINTS
         ]
 
     def drives(self) -> list[Drive]:
