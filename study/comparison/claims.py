@@ -78,7 +78,6 @@ class Counterpart:
     Attributes
     ----------
     headline : Headline
-    planner : str
     printed_saving, printed_total : str
         As the paper prints them.
     total : float, s
@@ -87,10 +86,6 @@ class Counterpart:
     published_reason : str
     ours : Contestant
         The paper's search run the paper's own way.
-    feasible : int
-        How many of our runs pass the judge.
-    our_total : float, s
-        Median total of our runs, feasible or not: the papers do not judge the motion that their joints make together.
     against_baseline, against_random : Against
         The baseline planner and random search.
     reference : Reference
@@ -104,15 +99,12 @@ class Counterpart:
     """
 
     headline: Headline
-    planner: str
     printed_saving: str
     printed_total: str
     total: float
     published_feasible: bool | None
     published_reason: str
     ours: Contestant
-    feasible: int
-    our_total: float
     against_baseline: Against
     against_random: Against
     reference: Reference
@@ -157,27 +149,20 @@ def _counterpart(
     ruckig, ruckig_reason = _ruckig(case, runs)
     return Counterpart(
         headline,
-        case.planner,
         printed[headline.saving].printed,
         printed[headline.total].printed,
         total,
         feasible,
         reason,
         ours,
-        feasible=int(np.isfinite(ours.durations).sum()),
-        our_total=_total(ours),
         against_baseline=against(ours.totals, baseline.totals),
         against_random=against(ours.totals, chance.totals),
         reference=reference,
-        above_optimum=_total(ours) / reference.value - 1.0,
+        above_optimum=ours.total / reference.value - 1.0,
         printed_above_optimum=total / reference.value - 1.0,
         ruckig=ruckig,
         ruckig_reason=ruckig_reason,
     )
-
-
-def _total(contestant: Contestant) -> float:
-    return float(np.median(contestant.totals))
 
 
 def against(first: Floats, second: Floats) -> Against:

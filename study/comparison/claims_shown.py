@@ -4,22 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-import numpy as np
-
 from study.analysis.formatting import listed, percent, seconds, wall
 from study.analysis.tables import Column, Grid, grid
 from study.comparison.claims import Against, Counterpart
-from study.comparison.contestants import Contestant
 from study.comparison.outcomes import SIGNIFICANT
 from study.comparison.tables import IntervalColumn, PlannerColumn, interval_text, p_value
 
 
 def _text(against: Against) -> str:
     return f"{interval_text(against.difference)}, A12 {against.a12:.2f}, p {p_value(against.p)}"
-
-
-def _computing(contestant: Contestant) -> str:
-    return wall(float(np.median(contestant.wall)))
 
 
 def _printed(claim: Counterpart) -> str:
@@ -34,7 +27,7 @@ def _printed(claim: Counterpart) -> str:
 def _stopping(claim: Counterpart) -> str:
     if claim.ruckig is None:
         return claim.ruckig_reason
-    return f"{seconds(claim.ruckig.median)}, computed in {_computing(claim.ruckig)}; the search took {_computing(claim.ours)}"
+    return f"{seconds(claim.ruckig.median)}, computed in {wall(claim.ruckig.seconds)}; the search took {wall(claim.ours.seconds)}"
 
 
 def _against_columns(name: str, against: Callable[[Counterpart], Against]) -> tuple[Column[Counterpart], ...]:
@@ -50,15 +43,15 @@ COLUMNS: tuple[Column[Counterpart], ...] = (
     Column("case", "Case", lambda claim: claim.headline.case),
     Column("", "Claim", lambda claim: f"{claim.printed_saving} less than {claim.headline.against}"),
     Column("", "Printed", _printed),
-    PlannerColumn("planner", "Search", lambda claim: claim.planner),
+    PlannerColumn("planner", "Search", lambda claim: claim.ours.planner),
     Column("printed_saving", "", lambda claim: claim.printed_saving),
     Column("against", "", lambda claim: claim.headline.against),
     Column("printed_total_s", "", lambda claim: claim.total),
     Column("published_feasible", "", lambda claim: claim.published_feasible),
-    Column("our_median_s", "", lambda claim: claim.our_total),
-    Column("our_feasible_runs", "", lambda claim: claim.feasible),
+    Column("our_median_s", "", lambda claim: claim.ours.total),
+    Column("our_feasible_runs", "", lambda claim: claim.ours.feasible),
     Column("our_runs", "", lambda claim: len(claim.ours.durations)),
-    Column("", "Feasible", lambda claim: f"{claim.feasible}/{len(claim.ours.durations)}"),
+    Column("", "Feasible", lambda claim: claim.ours.passed),
     Column("baseline", "", lambda claim: claim.headline.baseline),
     Column("", "Its opponent", lambda claim: f"{claim.headline.baseline}: {_text(claim.against_baseline)}"),
     *_against_columns("baseline", lambda claim: claim.against_baseline),
@@ -72,9 +65,9 @@ COLUMNS: tuple[Column[Counterpart], ...] = (
         "The optimum",
         lambda claim: f"ours {percent(claim.above_optimum)}, printed {percent(claim.printed_above_optimum)}",
     ),
-    Column("wall_s", "", lambda claim: float(np.median(claim.ours.wall))),
+    Column("wall_s", "", lambda claim: claim.ours.seconds),
     Column("ruckig_s", "", lambda claim: claim.ruckig.median if claim.ruckig else None),
-    Column("ruckig_wall_s", "", lambda claim: float(np.median(claim.ruckig.wall)) if claim.ruckig else None),
+    Column("ruckig_wall_s", "", lambda claim: claim.ruckig.seconds if claim.ruckig else None),
     Column("", "Ruckig, stopping", _stopping),
 )
 
@@ -97,16 +90,16 @@ def claim_grid(claims: Sequence[Counterpart], flags: Mapping[str, str]) -> Grid:
 
 def claimed(claim: Counterpart) -> str:
     """Lay a headline beside its counterparts."""
-    ours = f"{claim.feasible} of {len(claim.ours.durations)} of our runs feasible"
+    ours = f"{claim.ours.feasible} of {len(claim.ours.durations)} of our runs feasible"
     ruckig = f"Ruckig gives no motion ({claim.ruckig_reason})"
     if claim.ruckig is not None:
         ruckig = (
             f"Ruckig, stopping at every waypoint on a path of its own, takes {seconds(claim.ruckig.median)} and "
-            f"{_computing(claim.ruckig)} of computing against {_computing(claim.ours)}"
+            f"{wall(claim.ruckig.seconds)} of computing against {wall(claim.ours.seconds)}"
         )
     return (
         f"{claim.headline.paper} claims {claim.printed_saving} less time than {claim.headline.against} ({claim.printed_total}). "
-        f"Its search, {claim.planner}, run its own way ends at {seconds(claim.our_total)} ({ours}): "
+        f"Its search, {claim.ours.planner}, run its own way ends at {seconds(claim.ours.total)} ({ours}): "
         f"{less(claim.against_baseline)} than {claim.headline.baseline} and {less(claim.against_random)} than random search at "
         f"the same budget, {percent(claim.above_optimum)} against the optimum of {seconds(claim.reference.value)}; "
         f"the printed total is {percent(claim.printed_above_optimum)} against that optimum. {ruckig}."

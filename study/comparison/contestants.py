@@ -77,6 +77,26 @@ class Contestant:
         """Median duration, s; infinity if half of the runs or more are infeasible."""
         return float(np.quantile(self.durations, 0.5, method="higher"))
 
+    @property
+    def total(self) -> float:
+        """Median total, feasible or not, s: the papers do not judge the motion that their joints make together."""
+        return float(np.median(self.totals))
+
+    @property
+    def seconds(self) -> float:
+        """Median wall time of a run, s."""
+        return float(np.median(self.wall))
+
+    @property
+    def feasible(self) -> int:
+        """Number of runs that passed the judge."""
+        return int(np.isfinite(self.durations).sum())
+
+    @property
+    def passed(self) -> str:
+        """Number of runs that passed the judge, of all."""
+        return f"{self.feasible}/{len(self.durations)}"
+
     def paired(self, n_runs: int) -> Floats:
         """Durations for so many paired seeds; the one run of a deterministic planner stands for every seed."""
         return np.resize(self.durations, n_runs) if len(self.durations) == 1 else self.durations
@@ -152,17 +172,12 @@ def _contestant(case: str, planner: str, level: Level, results: list[Result]) ->
         case,
         planner,
         level,
-        durations=np.array([judged(result) for result in results]),
+        durations=np.array([result.duration if result.feasible else np.inf for result in results]),
         totals=np.array([result.duration for result in results]),
         histories=tuple(result.history for result in results),
         spent=np.array([result.evaluations for result in results], dtype=float),
         wall=np.array([result.wall_time for result in results]),
     )
-
-
-def judged(result: Result) -> float:
-    """Duration of a run if the judge found it feasible, s; infinity otherwise."""
-    return result.duration if result.feasible else np.inf
 
 
 def references(cases: Sequence[Case], runs: Runs) -> dict[str, Reference]:
@@ -179,11 +194,11 @@ def references(cases: Sequence[Case], runs: Runs) -> dict[str, Reference]:
             and cell.settings.curve == case.curve
             and cell.settings.synchronisation == "shared"
             and planner_named(cell.planner).freedom is Freedom.CURVE
-            and np.isfinite(judged(result))
+            and result.feasible
         ]
         if eligible:
-            shortest = min(map(judged, eligible))
-            level = [result for result in eligible if judged(result) <= shortest * (1 + SAME)]
+            shortest = min(result.duration for result in eligible)
+            level = [result for result in eligible if result.duration <= shortest * (1 + SAME)]
             best = min(level, key=lambda result: (planner_named(result.cell.planner).stochastic, result.cell.planner))
             known[case.name] = Reference(case.name, shortest, best.cell.planner, case.curve)
     return known
@@ -245,7 +260,7 @@ def solver_grid(solvers: Sequence[Contestant], references: Mapping[str, Referenc
         Column("", "Solver", lambda solver: solver.planner),
         Column("", "Duration", lambda solver: solver.median, _or_none),
         Column("", "Against the best known", behind),
-        Column("", "Wall", lambda solver: float(np.median(solver.wall)), wall),
+        Column("", "Wall", lambda solver: solver.seconds, wall),
     )
     return grid(
         "Solvers by wall time and duration. TOPP-RA and Ruckig move on other paths than the paper's curve, so they may be "

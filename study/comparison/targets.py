@@ -29,8 +29,6 @@ class Performance:
     gap : float
         Median duration above the reference, relative.
     best_gap : float
-    feasible : int
-        Runs that passed the judge.
     hits : array of shape (n_runs, n_targets)
         Evaluations to every target; infinity where it was missed.
     reached : array
@@ -44,7 +42,6 @@ class Performance:
     contestant: Contestant
     gap: float
     best_gap: float
-    feasible: int
     hits: Floats
     reached: Floats
     evaluations: Floats
@@ -68,7 +65,6 @@ def performance(contestant: Contestant, reference: float) -> Performance:
         contestant,
         gap=contestant.median / reference - 1.0,
         best_gap=float(contestant.durations.min()) / reference - 1.0,
-        feasible=int(np.isfinite(contestant.durations).sum()),
         hits=hits,
         reached=np.isfinite(hits).mean(axis=0),
         evaluations=np.array([runtime.average_runtime(hits[:, k], contestant.spent) for k in columns]),
@@ -138,8 +134,8 @@ TARGET_COLUMNS: tuple[Column[TargetRow], ...] = (
     Column("median_gap", "", lambda row: row[0].gap),
     Column("best_gap", "", lambda row: row[0].best_gap),
     Column("runs", "", lambda row: len(row[0].contestant.durations)),
-    Column("feasible_runs", "", lambda row: row[0].feasible),
-    Column("median_wall_s", "", lambda row: float(np.median(row[0].contestant.wall))),
+    Column("feasible_runs", "", lambda row: row[0].contestant.feasible),
+    Column("median_wall_s", "", lambda row: row[0].contestant.seconds),
     Column("target", "", lambda row: target_name(TARGETS[row[1]])),
     Column("reached", "", lambda row: row[0].reached[row[1]]),
     Column("average_evaluations", "", lambda row: row[0].evaluations[row[1]]),
@@ -165,11 +161,11 @@ def _seconds(number: int) -> Column[Performance]:
 
 PAGE_COLUMNS: tuple[Column[Performance], ...] = (
     PlannerColumn("", "Planner", lambda row: row.contestant.planner),
-    Column("", "Feasible", lambda row: f"{row.feasible}/{len(row.contestant.durations)}"),
+    Column("", "Feasible", lambda row: row.contestant.passed),
     Column("", "Median gap", lambda row: row.gap, percent),
     *map(_evaluations, range(len(TARGETS))),
     *map(_seconds, range(len(TARGETS))),
-    Column("", "Wall", lambda row: float(np.median(row.contestant.wall)), wall),
+    Column("", "Wall", lambda row: row.contestant.seconds, wall),
 )
 
 

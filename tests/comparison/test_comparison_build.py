@@ -132,7 +132,7 @@ def test_claims_stand_beside_their_counterparts(whole):
         printed = claims(one.headline.paper)
         assert one.printed_saving == printed[one.headline.saving].printed
         assert one.total == printed[one.headline.total].value
-        assert one.above_optimum == pytest.approx(one.our_total / one.reference.value - 1)
+        assert one.above_optimum == pytest.approx(one.ours.total / one.reference.value - 1)
         assert one.ruckig is not None
         assert len(one.ruckig.wall) == TINY.seeds  # one call would count the loading of the library
         assert 0 < one.ruckig.wall.min() < one.ours.wall.sum() + 1
