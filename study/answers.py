@@ -149,7 +149,7 @@ class Planned:
     @property
     def reason(self) -> str:
         """Why there is no feasible motion, one sentence; empty where there is one."""
-        return reason_of(self.result)
+        return self.result.reason
 
     def points(
         self,
