@@ -37,7 +37,7 @@ class Published:
     source: str
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Case:
     """One problem of the study and how its paper solves it.
 
@@ -47,14 +47,14 @@ class Case:
     title : str
         One line for people.
     paper : str
-        Key of the paper, such as `woodworking-golds-pso`.
+        Key of the paper, such as `woodworking-golds-pso`; `own` for a case of one's own.
     problem : Problem
     curve : str
         The paper's curve family, a name in `study.curves.CURVES`.
     settings : RunSettings
         The paper's population, budget, formulation and synchronisation.
     planner : str
-        Registry name of the paper's own planner.
+        Registry name of the paper's own planner; GoldS-PSO where there is no paper.
     robot : str, optional
         Name of a robot in `study.robots`.
     units : tuple of str
@@ -86,15 +86,15 @@ class Case:
 
     name: str
     title: str
-    paper: str
+    paper: str = "own"
     problem: Problem
     curve: str
     settings: RunSettings
-    planner: str
-    robot: str | None
+    planner: str = "golds-pso"
+    robot: str | None = None
     units: tuple[str, ...]
-    published: tuple[Published, ...]
-    notes: tuple[str, ...]
+    published: tuple[Published, ...] = ()
+    notes: tuple[str, ...] = ()
     default: bool = True
     fixed_joints: Mapping[int, float] = field(default_factory=dict)
     position_range: Floats | None = None

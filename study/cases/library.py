@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,23 +10,20 @@ from typing import Any
 import numpy as np
 
 from study.cases.case import Case, Published
-from study.cases.own_case import own_parts
+from study.cases.own_case import own_case
 from study.cases.paper_file import SI, CaseFile, Limits, Printed, Rates, Unit, in_si, varied
 from study.curves import curve_named
 from study.datafiles import checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
 from study.files import named
 from study.io.documents import parsed
-from study.planning import Formulation, RunSettings, Synchronisation, usual_settings
+from study.planning import Formulation, RunSettings, Synchronisation
 from study.problem import EndCondition, Floats, JointLimits, Problem, frozen_array
 
 __all__ = ["Case", "Published", "case_names", "load_case", "own_case"]
 
 PAPERS_OWN = {"paper", "planner", "settings", "published"}
 """Fields that only a case of a paper has."""
-
-OWN_EVALUATIONS = 15000
-"""Budget of the searches on a case of one's own under `study run --full`: as many as the woodworking paper spends."""
 
 
 def case_names(default_only: bool = False) -> list[str]:
@@ -79,29 +75,6 @@ def _library() -> dict[str, Case]:
             raise StudyError(f"file {path.name!r}: case {min(doubled)!r} is defined in another file too; rename one")
         cases |= in_file
     return cases
-
-
-def own_case(content: Mapping[str, Any], path: Path) -> Case:
-    """Make a case of what a file about one's own robot says; files that it names are looked up beside `path`."""
-    parts = own_parts(content, path)
-    return Case(
-        name=parts.problem.name,
-        title=parts.title,
-        paper="own",
-        problem=parts.problem,
-        curve=curve_named(parts.curve).name,
-        settings=replace(usual_settings(parts.problem), curve=parts.curve, evaluations=OWN_EVALUATIONS),
-        planner="golds-pso",
-        robot=parts.robot,
-        units=parts.units,
-        published=(),
-        notes=parts.notes,
-        sources=parts.sources,
-        obstacles=parts.obstacles,
-        arm_radius=parts.arm_radius,
-        self_collision=parts.self_collision,
-        warnings=parts.warnings,
-    )
 
 
 def _cases_in(path: Path) -> dict[str, Case]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from study.cases.case import Case
 from study.cases.own_demands import demands_of, segments_between, tightest
 from study.cases.own_file import OwnCase, OwnDirections, OwnRates
 from study.cases.own_waypoints import (
@@ -22,6 +23,7 @@ from study.cases.own_waypoints import (
     unused_columns,
 )
 from study.cases.paper_file import SI
+from study.curves import curve_named
 from study.datafiles import checked
 from study.errors import StudyError, in_words_of, joint_error, listed, plural
 from study.io.limits import LimitFile, read_limits
@@ -29,7 +31,7 @@ from study.io.one_joint import OneJoint
 from study.io.recordings import read_samples
 from study.io.samples import Samples
 from study.limits import OPTIONAL
-from study.planning import usual_curve
+from study.planning import usual_curve, usual_settings
 from study.problem import EndCondition, Floats, JointLimits, Problem
 from study.robots import robot_named
 
@@ -39,44 +41,12 @@ Words = tuple[Sequence[str], Sequence[str], Sequence[float]]
 _RATES = ("velocity", "acceleration", "jerk")
 
 
-@dataclass(frozen=True, eq=False)
-class OwnParts:
-    """Parts of a case, read from a user's file.
-
-    Attributes
-    ----------
-    problem : Problem
-    units : tuple of str
-        `rad` or `m` for each joint.
-    curve : str
-    title : str
-    robot : str, optional
-        Name of one of the study's arms, or the path of a file.
-    obstacles : array of shape (n, 2, 3), m
-    arm_radius : float, m
-    self_collision : bool
-    notes : tuple of str
-    sources : mapping of str to str
-        Field: the file its numbers come from.
-    warnings : tuple of str
-        One sentence for everything in the files that is not used, or was taken in a way that could be taken otherwise.
-    """
-
-    problem: Problem
-    units: tuple[str, ...]
-    curve: str
-    title: str
-    robot: str | None
-    obstacles: Floats
-    arm_radius: float
-    self_collision: bool
-    notes: tuple[str, ...]
-    sources: Mapping[str, str]
-    warnings: tuple[str, ...] = ()
+OWN_EVALUATIONS = 15000
+"""Budget of the searches on a case of one's own under `study run --full`: as many as the woodworking paper spends."""
 
 
-def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
-    """Put a case of one's own together.
+def own_case(content: Mapping[str, Any], path: Path) -> Case:
+    """Make a case of what a file about one's own robot says.
 
     Parameters
     ----------
@@ -107,71 +77,80 @@ def own_parts(content: Mapping[str, Any], path: Path) -> OwnParts:
     units = _units(file, rows, read, names, table.shape[1], where)
     factors = np.array([SI[unit][1] for unit in units])
     known = [read.get(name, OneJoint()) for name in names]
-    said = names, units, factors.tolist()
-    bounds = _limits(file.limits, known, factors, said, where)
+    words = names, units, factors.tolist()
+    bounds = _limits(file.limits, known, factors, words, where)
     table, notes = placed(file, table if rows and rows.si else table * factors, known, bounds, names)
+    _check_range(table, bounds, words, where)
+    kept, demands = tidied_demands(file, table, demands_of(file, factors, len(table), where), where)
+    demands["segment_limits"] = moved_segments(_segment_limits(file, factors, words, len(table), where), kept)
+    problem = _problem(file, path, kept.waypoints, bounds, demands, words)
+    warnings += [*notes, *kept.notes, *unlimited_joints(problem, read), *stepping_ends(file, problem)]
+    problem = problem if file.speed is None else problem.at_speed(file.speed)
+    sources = {"waypoints": str(file.waypoints) if rows else path.name, "limits": ", ".join(limit_files) or path.name}
+    return _case(file, path, problem, tuple(SI[unit][0] for unit in units), sources, tuple(warnings))
+
+
+def _check_range(table: Floats, bounds: JointLimits, words: Words, where: str) -> None:
     outside = np.argwhere((table < bounds.lower) | (table > bounds.upper))
     if len(outside):
         row, joint = map(int, outside[0])
         values = table[row, joint], bounds.lower[joint], bounds.upper[joint]
         sentence = f"waypoint {row + 1} puts {{joint}} at {{0}}, outside its range [{{1}}, {{2}}]"
-        raise StudyError(f"{where}: {in_words_of(joint_error(sentence, joint, *values), *said)}")
-    demands = demands_of(file, factors, len(table), where)
-    kept, demands = tidied_demands(file, table, demands, where)
+        raise StudyError(f"{where}: {in_words_of(joint_error(sentence, joint, *values), *words)}")
+
+
+def _problem(
+    file: OwnCase, path: Path, waypoints: Floats, limits: JointLimits, demands: dict[str, Any], words: Words
+) -> Problem:
+    where, names = f"file {path.name!r}", tuple(words[0])
     try:
         problem = Problem(
             name=file.name or path.stem,
-            waypoints=kept.waypoints,
-            limits=bounds,
+            waypoints=waypoints,
+            limits=limits,
             end=EndCondition[file.end.upper()] if file.end else OPTIONAL,
-            duration_bounds=_duration_bounds(file) or OPTIONAL,
+            duration_bounds=(b.lower, b.upper) if (b := file.duration_bounds) else OPTIONAL,
             joint_names=names,
-            segment_limits=moved_segments(_segment_limits(file, factors, said, len(table), where), kept),
             **demands,
         )
     except StudyError as error:
-        raise StudyError(f"{where}: {in_words_of(error, *said)}" if error.about_joint else str(error)) from None
+        raise StudyError(f"{where}: {in_words_of(error, *words)}" if error.about_joint else str(error)) from None
     if problem.moving.any() and not np.isfinite(problem.limits.rates[:, problem.moving]).any():
         still = "" if problem.moving.all() else ", and the joints that have limits stand still"
         raise StudyError(
             f"{where}: {listed([names[k] for k in np.flatnonzero(problem.moving)])} moves without any limit{still}, so there is no "
             "shortest time; give a velocity limit"
         )
-    warnings += [*notes, *kept.notes, *unlimited_joints(problem, read), *stepping_ends(file, problem)]
-    problem = problem if file.speed is None else problem.at_speed(file.speed)
-    sources = {"waypoints": str(file.waypoints) if rows else path.name, "limits": ", ".join(limit_files) or path.name}
-    return _parts(file, path, problem, tuple(SI[unit][0] for unit in units), sources, tuple(warnings))
+    return problem
 
 
-def _parts(
+def _case(
     file: OwnCase,
     path: Path,
     problem: Problem,
     units: tuple[str, ...],
     sources: Mapping[str, str],
     warnings: tuple[str, ...],
-) -> OwnParts:
+) -> Case:
     robot = _robot(file.robot, path, problem)
     if (file.obstacles or file.self_collision) and robot is None:
         raise StudyError(f"file {path.name!r}: obstacles need a robot to know where the arm is; name one under 'robot'")
-    return OwnParts(
-        problem=problem,
-        units=units,
-        curve=file.curve or usual_curve(problem),
+    curve = curve_named(file.curve or usual_curve(problem)).name
+    return Case(
+        name=problem.name,
         title=file.title or f"{plural(problem.n_joints, 'joint')} through {problem.n_waypoints} waypoints",
+        problem=problem,
+        curve=curve,
+        settings=replace(usual_settings(problem), curve=curve, evaluations=OWN_EVALUATIONS),
         robot=robot,
+        units=units,
+        notes=tuple(file.notes),
+        sources=sources,
         obstacles=np.array([[box.lower, box.upper] for box in file.obstacles], dtype=float).reshape(-1, 2, 3),
         arm_radius=file.arm_radius,
         self_collision=file.self_collision,
-        notes=tuple(file.notes),
-        sources=sources,
         warnings=warnings,
     )
-
-
-def _duration_bounds(file: OwnCase) -> tuple[float, float] | None:
-    bounds = file.duration_bounds
-    return (bounds.lower, bounds.upper) if bounds else None
 
 
 def _rectangle(rows: Any, where: str) -> list[list[float]]:

@@ -11,7 +11,7 @@ import numpy as np
 from study.cases.case import Case
 from study.cases.paper_file import SI
 from study.errors import StudyError, plural, unknown
-from study.io.limits import read_limits
+from study.io.limits import LimitFile, read_limits
 from study.io.one_joint import OneJoint
 from study.io.samples import Samples
 from study.io.waypoints import ROUNDED, unwound
@@ -41,15 +41,9 @@ def limits_alone(samples: Samples, files: Sequence[Path], units: str | None, whe
         If a file cannot be read, or a joint of the samples has no limits in any of them.
     """
     limits = read_limits(*files)
-    read, warnings = limits.joints, [*limits.notes]
-    samples = samples.numbered(read)
-    width = samples.positions.shape[1]
-    names = [name for name in samples.names if name in read] or (list(read) if len(read) == width else [])
-    if not names:
-        raise StudyError(f"{where}: none of its joints has limits; the files of limits know {', '.join(read)}")
-    left = [name for name in samples.names if name not in names and name not in limits.followers]
-    warnings += [f"not judged: joint {', '.join(map(repr, left))}, which no file of limits knows"] if left else []
-    known = [read[name] for name in names]
+    samples = samples.numbered(limits.joints)
+    names, warnings = _limited(samples, limits, where)
+    known = [limits.joints[name] for name in names]
     kinds = tuple("m" if joint.sliding else "rad" for joint in known)
     samples = _once(_si(samples.of(names, where), kinds, units, where), where)
     bounds = JointLimits(
@@ -70,18 +64,24 @@ def limits_alone(samples: Samples, files: Sequence[Path], units: str | None, whe
     case = Case(
         name=where,
         title="a trajectory against limits alone",
-        paper="own",
         problem=problem,
         curve="cubic-spline",
         settings=usual_settings(problem),
-        planner="golds-pso",
-        robot=None,
         units=kinds,
-        published=(),
-        notes=(),
-        warnings=tuple(warnings),
+        warnings=warnings,
     )
     return case, samples
+
+
+def _limited(samples: Samples, limits: LimitFile, where: str) -> tuple[list[str], tuple[str, ...]]:
+    """Joints of the samples that have limits, and what must be said of the others."""
+    read, width = limits.joints, samples.positions.shape[1]
+    names = [name for name in samples.names if name in read] or (list(read) if len(read) == width else [])
+    if not names:
+        raise StudyError(f"{where}: none of its joints has limits; the files of limits know {', '.join(read)}")
+    left = [name for name in samples.names if name not in names and name not in limits.followers]
+    others = [f"not judged: joint {', '.join(map(repr, left))}, which no file of limits knows"] if left else []
+    return names, (*limits.notes, *others)
 
 
 def _once(samples: Samples, where: str) -> Samples:
