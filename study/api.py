@@ -98,7 +98,8 @@ def plan_many(
     planner, settings
         As for `plan`.
     jobs : int
-        Worker processes; with one, by default, this process does all.
+        Worker processes; with one, by default, this process does all. A script that starts workers runs its own work
+        under `if __name__ == "__main__":`.
 
     Raises
     ------

@@ -10,7 +10,7 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from study.cli.interrupts import ending_at_once
+from study.cli.interrupts import check_memory, ending_at_once
 
 PLACEHOLDERS = {
     "case": "CASE",
@@ -94,7 +94,14 @@ class Entry:
     help: str
 
     def load(self, name: str) -> Any:
-        """Import the command and build it for Click."""
+        """Import the command and build it for Click.
+
+        Raises
+        ------
+        StudyError
+            If the process may take so little memory that the numerical libraries would hang.
+        """
+        check_memory()
         with ending_at_once():
             target = getattr(import_module(f"study.cli.{self.module}"), self.name)
         if isinstance(target, typer.Typer):

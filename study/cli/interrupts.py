@@ -1,4 +1,4 @@
-"""Ways in which a command ends early: Ctrl-C at any moment, and a standard output that takes no more."""
+"""Ways in which a command ends early: Ctrl-C at any moment, too little memory, an output that takes no more."""
 
 from __future__ import annotations
 
@@ -11,8 +11,18 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 
+from study.errors import StudyError
+
+try:
+    import resource
+except ImportError:  # not on Windows
+    resource = None  # type: ignore[assignment]
+
 STATUS = 130
 """Exit status after Ctrl-C, as shells count: 128 and the number of the signal."""
+
+LEAST_MEMORY = 600_000_000
+"""Address space that a process needs to load the numerical libraries, bytes."""
 
 
 @contextmanager
@@ -29,6 +39,24 @@ def ending_at_once() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def check_memory() -> None:
+    """Make sure that numerical libraries can be loaded; with too little memory some wait for ever.
+
+    Raises
+    ------
+    StudyError
+        If the process may take less than `LEAST_MEMORY`.
+    """
+    if resource is None:
+        return
+    allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if allowed != resource.RLIM_INFINITY and allowed < LEAST_MEMORY:
+        raise StudyError(
+            f"this process may take {allowed / 1e6:.0f} MB of memory, its libraries need {LEAST_MEMORY / 1e6:.0f} MB; "
+            "raise the limit (`ulimit -v`)"
+        )
 
 
 def _end(number: int, frame: FrameType | None) -> None:

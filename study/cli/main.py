@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 from collections.abc import Iterator
 from importlib.metadata import version
@@ -97,6 +98,7 @@ def top(show_version: Annotated[bool, typer.Option("--version", help="Print the 
 
 def main() -> None:
     """Run the command; what a user can mend ends in one sentence and exit code 2."""
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # a home that cannot be written to costs only time
     try:
         try:
             status = app(standalone_mode=False)

@@ -12,6 +12,7 @@ import os
 import pickle
 import queue
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -25,6 +26,9 @@ from study.supervisor import supervised
 
 MEMORY = Path("/proc/self/statm").exists()
 """True if this system can limit the memory of a worker."""
+
+GUARD = 'put what your script runs under `if __name__ == "__main__":`, as workers import it'
+"""What to do where a worker cannot start."""
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -61,6 +65,11 @@ class WorkerPool(Executor):
         What a worker may take beyond what it has when its first task arrives; see `MEMORY`.
     hear : callable (said, *args, **kwargs), optional
         Told what a worker says in the middle of a task with these arguments; from a thread of the pool's.
+
+    Raises
+    ------
+    SystemExit
+        In a worker that imports the script of a user who forgot to guard it.
     """
 
     def __init__(
@@ -70,6 +79,8 @@ class WorkerPool(Executor):
         memory: int | None = None,
         hear: Callable[..., None] | None = None,
     ) -> None:
+        if getattr(multiprocessing.current_process(), "_inheriting", False):
+            raise SystemExit(f"{Path(sys.argv[0]).name} would start workers in every worker: {GUARD}")
         self._limit = limit
         self._tasks: queue.SimpleQueue[_Task | None] = queue.SimpleQueue()
         self._closing = threading.Event()
@@ -169,7 +180,10 @@ class _Worker:
                 for name, value in before.items():
                     os.environ.pop(name) if value is None else os.environ.update({name: value})
         theirs.close()
-        self._received(self._pipe)  # it says that its imports are done
+        try:
+            self._received(self._pipe)  # it says that its imports are done
+        except WorkerDied as died:
+            raise WorkerDied(f"{died} as it started; {GUARD}") from None
 
     def _received(self, pipe: Connection) -> Any:
         try:

@@ -1,6 +1,7 @@
 """Commands that end early or badly say so in one sentence."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -66,3 +67,41 @@ def test_a_long_sentence_is_cut_in_the_middle(study_command, tmp_path):
     assert ended.returncode == 2
     assert len(ended.stderr) < LONGEST + 50
     assert "unknown key" in ended.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such limits there")
+def test_too_little_memory_is_one_sentence(tmp_path):
+    limited = ["sh", "-c", 'ulimit -v 250000 && exec "$@"', "sh", *command("plan", tmp_path / "no.yaml")]
+    ended = subprocess.run(limited, capture_output=True, text=True, timeout=60)
+    assert ended.returncode == 2
+    assert ended.stderr.startswith("study: this process may take 256 MB of memory, its libraries need 600 MB")
+
+
+UNGUARDED = """\
+import numpy as np
+from study import JointLimits, Problem, plan_many
+limits = JointLimits([1.0], [2.0], [10.0])
+answers = plan_many([Problem("a", np.array([[0.0], [k]]), limits) for k in (1.0, 2.0)], "ruckig-stops", jobs=2)
+print(answers[0].reason)
+"""
+
+
+def test_a_script_without_a_guard_is_told_so_and_starts_no_workers_in_workers(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(UNGUARDED)
+    ended = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=100)
+    assert "Traceback" not in ended.stderr
+    assert 'under `if __name__ == "__main__":`' in ended.stderr
+    assert 'under `if __name__ == "__main__":`' in ended.stdout
+
+
+def test_a_home_that_cannot_be_written_to_is_no_noise(tmp_path):
+    text = "import sys; sys.argv = ['study', '--version']\nfrom study.__main__ import main\ntry: main()\nexcept SystemExit: import matplotlib.font_manager"
+    ended = subprocess.run(
+        [sys.executable, "-c", text],
+        env={**os.environ, "HOME": "/proc/none", "MPLCONFIGDIR": "", "XDG_CONFIG_HOME": "", "XDG_CACHE_HOME": ""},
+        capture_output=True,
+        text=True,
+        timeout=100,
+    )
+    assert ended.stderr == ""

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from study import judge, plan
 from study.bounds import LowerBound
 from study.curves import curve_named
 from study.demands import refusal
@@ -288,3 +289,19 @@ def test_what_a_planner_does_not_know_it_declines_itself_before_it_runs(name):
         plan = planner.plan(problem, QUICK)
         assert plan.status is Status.NOT_APPLICABLE, problem.name
         assert plan.message == refusal(problem.planner_demands, planner.knows)
+
+
+QUIET = sorted(
+    name for name in set(planner_names()) - set(unavailable_planners()) if not planner_named(name).stochastic
+)
+
+
+@pytest.mark.parametrize("name", [*[pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in QUIET], "pso"])
+def test_a_motion_out_of_the_range_of_positions_is_never_called_one_that_may_be_driven(name):
+    problem = next(p for p in example_problems() if p.n_waypoints == 4)
+    lowest, highest = problem.waypoints.min(axis=0), problem.waypoints.max(axis=0)
+    tight = replace(problem, limits=replace(problem.limits, lower=lowest, upper=highest))
+    planned = plan(tight, name, QUICK)
+    inside = planned.result.motion is not None and judge(tight, planned.result.motion).feasible
+    assert inside == np.isfinite(planned.duration)
+    assert inside or "leaves its range of positions" in planned.reason or "not applicable" in planned.reason
