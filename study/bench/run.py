@@ -25,7 +25,7 @@ from study.files import write_file
 from study.io.text import read_text
 from study.runs.environment import environment
 
-VERSION = 1
+VERSION = 2
 QUICK_REPETITIONS, REPETITIONS = 5, 15
 Told = Callable[[str], None]
 
@@ -121,4 +121,6 @@ def read(path: Path) -> Bench:
             raise StudyError(f"{path}: expected measurements of version {VERSION}, got version {record['version']}")
         return TypeAdapter(Bench).validate_python(record)
     except (ValueError, KeyError, TypeError, RecursionError) as error:
-        raise StudyError(f"{path}: not the measurements of a bench ({error}); write them with `study bench`") from None
+        raise StudyError(
+            f"{path}: not the measurements of a bench ({str(error).partition(chr(10))[0]}); write them with `study bench`"
+        ) from None
