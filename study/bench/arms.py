@@ -21,7 +21,7 @@ from study.bench.peers import installed
 from study.errors import StudyError
 from study.judge import judge
 from study.problem import Problem
-from study.testing.arms import arm_problems
+from study.suites.tasks import arm_problems
 
 REPETITIONS = 3
 CLOSE, MEAN, FAST = 1.001, 0.945, 2.0

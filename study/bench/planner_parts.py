@@ -17,7 +17,7 @@ from study.judge import judge
 from study.planning import Plan, Planner, usual_settings
 from study.problem import EndCondition, Floats, JointLimits, Problem
 from study.registry import planner_named
-from study.testing.arms import arm_problems
+from study.suites.tasks import arm_problems
 
 Told = Callable[[str], None]
 Cells = tuple[str, ...]

@@ -12,6 +12,7 @@ import numpy as np
 from study.cases.case import Case, Published
 from study.cases.own_case import own_case
 from study.cases.paper_file import SI, CaseFile, Limits, Printed, Rates, Unit, in_si, varied
+from study.cases.suite_file import suite_case
 from study.curves import curve_named
 from study.datafiles import checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
@@ -43,7 +44,7 @@ def load_case(name_or_path: str | Path) -> Case:
     Parameters
     ----------
     name_or_path : str or Path
-        A name that `case_names` gives, or the path of a YAML or JSON file: one as in `data/cases`, or the shorter form
+        A name that `case_names` gives, `SUITE:NAME` for a problem of a suite, or the path of a YAML or JSON file: one as in `data/cases`, or the shorter form
         for one's own robot, `study.cases.own_file.OwnCase`.
 
     Raises
@@ -60,6 +61,8 @@ def load_case(name_or_path: str | Path) -> Case:
                 f"file {str(path)!r} must hold named fields (a YAML mapping), got {came}; see `study init` for an example"
             )
         return next(iter(_cases_of(content, path).values())) if PAPERS_OWN & content.keys() else own_case(content, path)
+    if ":" in str(name_or_path):
+        return suite_case(str(name_or_path))
     cases = _library()
     if str(name_or_path) not in cases:
         raise unknown("case", str(name_or_path), cases)

@@ -66,6 +66,7 @@ COMMANDS = {
         "Draw pictures of stored results: the ladder, one joint's profiles and the viewer's first look.",
     ),
     "cases": Entry("listing", "cases_app", "Look at the cases."),
+    "suite": Entry("suite", "suite_app", "Look after the suites of problems and their records."),
     "store": Entry("store", "store_app", "Look after the file of results."),
 }
 

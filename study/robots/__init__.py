@@ -4,43 +4,24 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field
 
-from study.datafiles import Strict, checked, data_folder, read_yaml
+from study.datafiles import checked, data_folder, read_yaml
 from study.errors import StudyError, unknown
 from study.problem import Floats
 from study.robots.chain import Robot, Solver
 from study.robots.closed_form import BRANCHES, puma_inverse, ur_inverse, woodworking_inverse
+from study.robots.file import RobotFile
 from study.robots.urdf import urdf_robot
 
-__all__ = ["BRANCHES", "SOLVERS", "Robot", "inverse", "robot_named", "robot_names"]
+__all__ = ["BRANCHES", "SOLVERS", "Robot", "inverse", "robot_file", "robot_named", "robot_names"]
 
 SOLVERS: dict[str, Solver] = {"ur": ur_inverse, "puma": puma_inverse, "woodworking": woodworking_inverse}
 
 _CLOSE = 1e-6
 """Largest error of a solution's pose, as fed back through forward kinematics, m or without unit."""
-
-
-class _Joint(Strict):
-    kind: Literal["revolute", "prismatic"]
-    a: float
-    alpha: float
-    d: float
-    theta: float
-    range: tuple[float, float] | None = None
-
-
-class _RobotFile(Strict):
-    title: str
-    source: str
-    convention: Literal["standard", "modified"]
-    solver: Literal["ur", "puma", "woodworking"] | None = None
-    length_unit: Literal["m", "mm"]
-    joints: list[_Joint] = Field(min_length=1)
 
 
 def robot_names() -> list[str]:
@@ -68,10 +49,18 @@ def robot_named(name: str, joints: tuple[str, ...] = ()) -> Robot:
         return urdf_robot(Path(name), joints)
     if Path(name).suffix:
         return _robot(Path(name))
-    files = {path.stem: path for path in _files()}
-    if name not in files:
-        raise unknown("robot", name, files)
-    return _robot(files[name])
+    return _robot(_path(name))
+
+
+def robot_file(name: str) -> RobotFile:
+    """Content of the file of an arm that the data holds.
+
+    Raises
+    ------
+    StudyError
+        If there is no such arm, or its file is broken.
+    """
+    return _read(_path(name))
 
 
 def inverse(robot: Robot, poses: ArrayLike, branch: tuple[int, int, int] | None = None) -> Floats:
@@ -124,9 +113,20 @@ def _files() -> list[Path]:
     return sorted((data_folder() / "robots").glob("*.yaml"))
 
 
+def _path(name: str) -> Path:
+    files = {path.stem: path for path in _files()}
+    if name not in files:
+        raise unknown("robot", name, files)
+    return files[name]
+
+
+@cache
+def _read(path: Path) -> RobotFile:
+    return checked(RobotFile, read_yaml(path), f"file {path.name!r}")
+
+
 def _robot(path: Path) -> Robot:
-    file = checked(_RobotFile, read_yaml(path), f"file {path.name!r}")
-    metre = {"m": 1.0, "mm": 1e-3}[file.length_unit]
+    file = _read(path)
     prismatic = np.array([joint.kind == "prismatic" for joint in file.joints])
     ranges = np.array([joint.range or (-np.inf, np.inf) for joint in file.joints])
     return Robot(
@@ -135,10 +135,10 @@ def _robot(path: Path) -> Robot:
         source=file.source,
         modified=file.convention == "modified",
         prismatic=prismatic,
-        a=np.array([joint.a for joint in file.joints]) * metre,
+        a=np.array([joint.a for joint in file.joints]) * file.metre,
         alpha=np.radians([joint.alpha for joint in file.joints]),
-        d=np.array([joint.d for joint in file.joints]) * metre,
+        d=np.array([joint.d for joint in file.joints]) * file.metre,
         theta=np.radians([joint.theta for joint in file.joints]),
-        range=ranges.T * np.where(prismatic, metre, np.pi / 180.0),
+        range=ranges.T * np.where(prismatic, file.metre, np.pi / 180.0),
         solver=file.solver,
     )

@@ -8,7 +8,7 @@ from study.bench.arms import Answer, Row, said, summary
 from study.bench.parts import PARTS, measured
 from study.errors import StudyError
 from study.judge import judge
-from study.testing.arms import arm_problems
+from study.suites.tasks import arm_problems
 
 PROBLEMS = {problem.name: problem for problem in arm_problems(0) if "pick5" in problem.name}
 

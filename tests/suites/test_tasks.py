@@ -1,14 +1,15 @@
-"""Problems of real arms: inside the makers' ranges, repeatable, and the tool where the task says."""
+"""Tasks of real arms: inside the ranges, repeatable, and the tool where the task says."""
 
 import numpy as np
 import pytest
 
 from study.errors import StudyError
-from study.robots import robot_named
-from study.testing.arms import ARMS, TASKS, arm_problems, dense, followed, seam
+from study.robots.arms import arm_named
+from study.robots.reach import followed
+from study.suites.tasks import BENCH, BENCH_ARMS, arm_problems, dense, seam
 
 
-def test_every_arm_has_every_task_and_a_seed_repeats():
+def test_the_bench_has_every_task_of_every_arm_and_a_seed_repeats():
     problems, again = list(arm_problems(3)), list(arm_problems(3))
     assert len({problem.name for problem in problems}) == len(problems) == 33
     assert [problem.n_waypoints for problem in problems[:11]] == [2, 7, 7, 10, 10, 20, 20, 50, 50, 200, 200]
@@ -21,20 +22,21 @@ def test_every_arm_has_every_task_and_a_seed_repeats():
     )
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", BENCH_ARMS)
 def test_the_tool_keeps_its_orientation_on_a_seam(name):
-    robot, q = robot_named(ARMS[name].robot), seam(np.random.default_rng(0), ARMS[name])
-    poses = robot.forward(q)
+    arm = arm_named(name)
+    poses = arm.robot.forward(seam(np.random.default_rng(0), arm, 1.0))
     np.testing.assert_allclose(poses[:, :3, :3], np.broadcast_to(poses[0, :3, :3], (20, 3, 3)), atol=1e-9)
     np.testing.assert_allclose(poses[:, 2, 3], poses[0, 2, 3], atol=1e-9)
-    assert len(TASKS) == 7
+    assert len(BENCH) == 7
 
 
 def test_a_place_out_of_reach_is_refused():
+    arm = arm_named("ur5e")
     with pytest.raises(StudyError, match="cannot reach"):
-        followed(ARMS["ur5e"], np.array([[3.0, 0.0, 0.0]]))
+        followed(arm.robot, arm.home, np.array([[3.0, 0.0, 0.0]]))
 
 
 def test_dense_paths_come_in_any_number_of_points():
-    rows = [dense(np.random.default_rng(0), ARMS["fr3"], n) for n in (51, 101)]
+    rows = [dense(np.random.default_rng(0), arm_named("fr3"), 1.0, n) for n in (51, 101)]
     np.testing.assert_allclose(rows[1][::2], rows[0], atol=5e-3)

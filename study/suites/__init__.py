@@ -1,0 +1,1 @@
+"""The benchmark beyond the papers: generators of its problems, best known times, measures, law and page."""
