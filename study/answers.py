@@ -290,7 +290,8 @@ def stops_everywhere(problem: Problem, motion: Motion) -> bool:
 def single_move(problem: Problem) -> bool:
     """Whether the problem is one move from rest to rest with nothing else to keep, whose optimum has a closed form."""
     smooth = problem.end is EndCondition.SMOOTH or (problem.end is EndCondition.REST and not jerky(problem))
-    return problem.n_waypoints == 2 and smooth and problem.planner_demands <= RATE_LIMITS | {Demand.POSITION_RANGE}
+    plain = problem.arm is None and problem.n_waypoints == 2
+    return plain and smooth and problem.planner_demands <= RATE_LIMITS | {Demand.POSITION_RANGE}
 
 
 def jerky(problem: Problem) -> bool:

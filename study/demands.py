@@ -22,9 +22,15 @@ class Demand(StrEnum):
     TOLERANCE = "a tolerance at waypoints"
     STRAIGHT_PATH = "a straight path between waypoints"
     TUBE = "a tube around the straight path"
+    TORQUE = "limits of torque"
+    TOOL_SPEED = "a limit of the tool's speed"
+    TOOL_ACCELERATION = "a limit of the tool's acceleration"
     DURATION = "a given duration"
     CYCLE = "whole control cycles"
 
+
+ARM = frozenset({Demand.TORQUE, Demand.TOOL_SPEED, Demand.TOOL_ACCELERATION})
+"""Demands on the whole arm: where a slower run is allowed, a planner need not know them, its motion is slowed down."""
 
 PLAIN = frozenset({Demand.VELOCITY, Demand.ACCELERATION, Demand.JERK, Demand.POSITION_RANGE})
 """Demands that a planner may try without knowing them: its motion may keep them by chance, and the judge sees to it."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.arm_findings import Enclosure, arm_findings, enclosed
 from study.arrays import of_kind
 from study.errors import StudyError
 from study.findings import Finding, Measured, findings_of
@@ -44,6 +45,12 @@ class Verdict:
         Rates at the first and last instant.
     overshoot : array of shape (n_joints,), rad or m
         How far the motion leaves the envelope of the waypoints.
+    arm_shares : array of shape (2, n_joints + 2)
+        Proved bounds, lower and upper, of the largest share of the limits of the arm in use: torques by joint, speed of the
+        tool, its acceleration. They are apart by one part in a thousand at most where the motion keeps its limits; 0 where
+        there is no limit.
+    arm_times : array of shape (n_joints + 2,), s
+        When the lower ones are reached.
     violation : float
         Largest relative excess of any kind; at most 1e-6 for a feasible motion.
     reasons : tuple of str
@@ -61,6 +68,8 @@ class Verdict:
     end_velocity: Floats
     end_acceleration: Floats
     overshoot: Floats
+    arm_shares: Floats
+    arm_times: Floats
     violation: float
     reasons: tuple[str, ...]
 
@@ -119,10 +128,11 @@ def judge(problem: Problem, motion: Motion) -> Verdict:
         )
     with np.errstate(over="ignore", invalid="ignore"):  # what is not finite becomes a finding
         measured = Measured(problem, motion)
-        return _verdict(measured, [*findings_of(measured), *path_findings(measured)])
+        arm = enclosed(problem.arm, motion)
+        return _verdict(measured, arm, [*findings_of(measured), *path_findings(measured), *arm_findings(problem, arm)])
 
 
-def _verdict(measured: Measured, findings: list[Finding]) -> Verdict:
+def _verdict(measured: Measured, arm: Enclosure, findings: list[Finding]) -> Verdict:
     problem, motion, position = measured.problem, measured.motion, measured.position
     low, high = problem.waypoints.min(axis=0), problem.waypoints.max(axis=0)
     outside = np.maximum(problem.limits.lower - position.lowest, position.highest - problem.limits.upper)
@@ -143,6 +153,8 @@ def _verdict(measured: Measured, findings: list[Finding]) -> Verdict:
         end_velocity=measured.ends[0],
         end_acceleration=measured.ends[1],
         overshoot=np.maximum(np.maximum(low - position.lowest, position.highest - high), 0.0),
+        arm_shares=np.stack([arm.lowest, arm.highest]),
+        arm_times=arm.times,
         violation=float(excesses.max()),
         reasons=tuple(finding.sentence for finding in findings if finding.broken),
     )

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from study.arm import ArmLimits
 from study.arrays import Floats, check_kinds, frozen_array, index_in, positive
-from study.demands import Demand
+from study.demands import ARM, Demand
 from study.errors import StudyError, joint_error
 from study.limits import LARGEST, OPTIONAL, JointLimits, usual_bounds
 from study.rules import EndCondition, PathRule, State, StraightPath, Timing, Tube, alone, radii
@@ -63,6 +64,8 @@ class Problem:
     path : StraightPath or Tube, optional
         Where the path between waypoints must run; by default it is free.
     timing : Timing, optional
+    arm : ArmLimits, optional
+        Limits of torque and of the tool, with the arm that they are about.
 
     Raises
     ------
@@ -85,6 +88,7 @@ class Problem:
     tolerance: Floats | None = None
     path: PathRule | None = None
     timing: Timing | None = None
+    arm: ArmLimits | None = None
 
     def __post_init__(self) -> None:
         if self.end is None and isinstance(self.limits, JointLimits):
@@ -98,6 +102,8 @@ class Problem:
         self._take_passages()
         if self.path is not None:
             self.path.of(self.n_joints)
+        if self.arm is not None:
+            self.arm.check(self.waypoints, self._where)
 
     @property
     def _where(self) -> str:
@@ -114,8 +120,8 @@ class Problem:
                 f"{self._where}: waypoints must have shape (n_waypoints >= 2, {n_joints}) to match the limits, "
                 f"got {points.shape}"
             )
-        if not (np.abs(points) <= LARGEST).all():
-            row = int(np.argmax(~(np.abs(points) <= LARGEST).all(axis=1)))
+        if (beyond := ~(np.abs(points) <= LARGEST).all(axis=1)).any():
+            row = int(np.argmax(beyond))
             raise StudyError(
                 f"{self._where}: waypoint {row + 1} is infinite or too large; give numbers up to {LARGEST:g}"
             )
@@ -123,8 +129,7 @@ class Problem:
             raise StudyError(
                 f"{self._where}: no joint has a finite limit, so there is no shortest time; give a velocity limit"
             )
-        repeated = (points[1:] == points[:-1]).all(axis=1)
-        if repeated.any() and not self.allow_dwell:
+        if (repeated := (points[1:] == points[:-1]).all(axis=1)).any() and not self.allow_dwell:
             row = int(np.argmax(repeated)) + 1
             raise StudyError(
                 f"{self._where}: waypoints {row} and {row + 1} are equal, so the segment between them has no length; "
@@ -132,8 +137,7 @@ class Problem:
             )
 
     def _check_positions(self) -> None:
-        outside = (self.waypoints < self.limits.lower) | (self.waypoints > self.limits.upper)
-        if outside.any():
+        if (outside := (self.waypoints < self.limits.lower) | (self.waypoints > self.limits.upper)).any():
             row, joint = np.argwhere(outside)[0]
             values = self.waypoints[row, joint], self.limits.lower[joint], self.limits.upper[joint]
             said = f"waypoint {row + 1} puts {{joint}} at {{0}}, outside its range [{{1}}, {{2}}]"
@@ -216,7 +220,7 @@ class Problem:
     @property
     def end_states(self) -> tuple[State, State]:
         """Rates demanded at the first and at the last instant."""
-        given = [self.end if state is None else state for state in (self.start, self.finish)]
+        given = (self.end if state is None else state for state in (self.start, self.finish))
         first, last = (State.under(s, self.n_joints) if isinstance(s, EndCondition) else s for s in given)
         return first, last
 
@@ -232,11 +236,11 @@ class Problem:
 
     @property
     def planner_demands(self) -> frozenset[Demand]:
-        """Demands that a planner must see to itself: where a slower run is allowed, any motion can be fitted to a duration."""
-        return self.demands - ({Demand.DURATION, Demand.CYCLE} if self.scalable else set())
+        """Demands that a planner must see to itself: where a slower run is allowed, any motion can be fitted to the others."""
+        return self.demands - (ARM | {Demand.DURATION, Demand.CYCLE} if self.scalable else set())
 
     def joint(self, index: int) -> Problem:
-        """Take the problem of one joint alone; its neighbouring waypoints may then be equal."""
+        """Take the problem of one joint alone, without limits of the whole arm; its neighbouring waypoints may be equal."""
         index_in(index, range(self.n_joints), f"{self._where}: joint")
         return replace(
             self,
@@ -250,15 +254,19 @@ class Problem:
             segment_limits={k: limits.joint(index) for k, limits in self.segment_limits.items()},
             tolerance=self.tolerances[:, index : index + 1],
             path=None if self.path is None else self.path.joint(index),
+            arm=None,
         )
 
     def at_speed(self, share: float) -> Problem:
-        """Take limits under which every motion runs at this share of its speed: `JointLimits.scaled(1 / share)`."""
+        """Take limits under which every motion runs at this share of its speed; those of torque stay as they are."""
         factor = 1.0 / positive(share, f"{self._where}: speed")
-        slower = {k: limits.scaled(factor) for k, limits in self.segment_limits.items()}
-        low, high = self.duration_bounds
-        bounds = (low * factor, high * factor)
-        return replace(self, limits=self.limits.scaled(factor), segment_limits=slower, duration_bounds=bounds)
+        return replace(
+            self,
+            limits=self.limits.scaled(factor),
+            segment_limits={k: limits.scaled(factor) for k, limits in self.segment_limits.items()},
+            duration_bounds=(self.duration_bounds[0] * factor, self.duration_bounds[1] * factor),
+            arm=None if self.arm is None else self.arm.scaled(factor),
+        )
 
 
 _KINDS: dict[str, tuple[type, ...]] = {
@@ -272,6 +280,7 @@ _KINDS: dict[str, tuple[type, ...]] = {
     "joint_names": (Sequence, np.ndarray),
     "path": (StraightPath, Tube, type(None)),
     "timing": (Timing, type(None)),
+    "arm": (ArmLimits, type(None)),
 }
 
 
@@ -290,6 +299,7 @@ def _asked(problem: Problem) -> list[tuple[Demand, bool]]:
         (Demand.TOLERANCE, bool(problem.tolerances.any())),
         (Demand.STRAIGHT_PATH, isinstance(problem.path, StraightPath)),
         (Demand.TUBE, isinstance(problem.path, Tube)),
+        *((demand, problem.arm is not None and demand in problem.arm.demands) for demand in sorted(ARM)),
         (Demand.DURATION, timing.exactly is not None or timing.at_least is not None),
         (Demand.CYCLE, timing.cycle is not None),
     ]

@@ -14,6 +14,10 @@ from study.arrays import Floats
 TOLERANCE = 1e-6
 """Largest relative excess over a limit that still counts as rounding."""
 
+ENCLOSED = 1e-3
+"""Relative width to which the largest torques and rates of the tool are enclosed; whether they keep a limit is settled by
+`TOLERANCE` all the same."""
+
 FLOOR = 1e-9
 """Distance below which a position does not count, rad or m."""
 

@@ -10,16 +10,20 @@ import numpy as np
 import pytest
 
 from study import EndCondition, JointLimits, Problem, judge
+from study.arm import ArmLimits
 from study.demands import Demand, refusal
 from study.planning import usual_settings
 from study.problem import State, StraightPath, Timing, Tube
 from study.registry import planner_named
 from study.runs.execute import asked
+from study.testing.sampler import sampled
 from study.testing.second_judge import Answer, second_judge
+from tests.helpers.arms import two_links
 
 POINTS = np.array([[0.0, 0.1], [0.5, 0.5], [0.2, 0.9], [0.9, 0.4], [1.0, 1.0]])
 LIMITS = JointLimits([1.5, 1.2], [5.0, 4.0], [50.0, 40.0])
 FREE, REST, SMOOTH = EndCondition.FREE, EndCondition.REST, EndCondition.SMOOTH
+TWO_LINKS = two_links()
 MOVING = State([0.3, -0.2])
 
 
@@ -71,6 +75,9 @@ TABLE = {
     "straight path, corners cut": (walk(path=StraightPath(0.05)), walk(path=StraightPath()), (LINES,)),
     "straight but for corners": (walk(path=StraightPath([0.05, 0.02])), walk(), (LINES, STOPS)),
     "tube": (walk(path=Tube(0.02)), walk(), (ANY, LINES, STOPS)),
+    "torque": (walk(arm=ArmLimits(TWO_LINKS, [40.0, 9.5])), walk(), (ANY, STOPS, LINES, "casadi-nlp")),
+    "tool speed": (walk(arm=ArmLimits(TWO_LINKS, tool_speed=0.25)), walk(), (ANY, STOPS, LINES, "casadi-nlp")),
+    "tool acceleration": (walk(arm=ArmLimits(TWO_LINKS, tool_acceleration=1.0)), walk(), (ANY, STOPS, LINES)),
     "duration": (walk(timing=Timing(exactly=4.0)), walk(), (ANY, STOPS, LINES, "casadi-nlp", "free-path-nlp")),
     "least duration": (walk(timing=Timing(at_least=4.0)), walk(), (ANY, STOPS, LINES, "casadi-nlp")),
     "cycles": (walk(timing=Timing(cycle=0.05)), walk(), (ANY, STOPS, LINES, "casadi-nlp")),
@@ -94,6 +101,7 @@ def test_every_demand_binds_and_is_met(row):
     for name, motion in motions.items():
         assert judge(problem, motion).reasons == (), name
         assert second_judge(problem, motion).answer is Answer.FEASIBLE, name
+        assert sampled(problem, motion).confirmed, name
     plain = planned(without, planners[0] if without.path else ANY)
     broken = [judge(problem, plain).reasons, judge(without, motions[planners[0]]).reasons]
     assert any(broken), "the demand makes no difference"

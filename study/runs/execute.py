@@ -11,10 +11,11 @@ from study.bounds import Method
 from study.demands import refusal
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import Plan, Planner, RunSettings, Status, in_time
+from study.planning import Plan, Planner, RunSettings, Status
 from study.problem import Problem
 from study.registry import method_named
 from study.runs.progress import reporter
+from study.slowing import fitted, told
 from study.store.codec import cell_digest, check_storable, decode, encode, settings_text
 from study.store.kept import Encoded
 from study.store.provenance import code_behind
@@ -125,7 +126,7 @@ def stored_results(store: Store, cells: Iterable[Cell], cases: Mapping[str, Case
 def asked(method: Method, problem: Problem, settings: RunSettings) -> Plan:
     """Ask a planner for its plan, or a bound for what it proves, which has no motion."""
     if isinstance(method, Planner):
-        return in_time(problem, method.plan(problem, settings))
+        return fitted(problem, method.plan(told(method, problem), settings))
     proved = method.bound(problem, settings)
     return Plan(Status.FINISHED, message=proved.message, details=proved.details, lower_bound=proved.value)
 

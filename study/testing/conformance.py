@@ -21,12 +21,12 @@ from study.planning import (
     RunSettings,
     Status,
     Synchronisation,
-    in_time,
     undescribed,
     usual_settings,
 )
 from study.problem import Floats, Problem
 from study.search.state import Box, Search, State
+from study.slowing import fitted, told
 from study.testing.problems import example_problems
 from study.trajectory import Motion, Trajectory
 
@@ -100,8 +100,8 @@ def _solves(planner: Planner, problem: Problem, settings: RunSettings, may_be_in
 
 def _answer(planner: Planner, problem: Problem, settings: RunSettings, where: str) -> Plan | StudyError:
     try:
-        plan = planner.plan(problem, settings)
-        plan = in_time(problem, plan) if isinstance(plan, Plan) else plan
+        plan = planner.plan(told(planner, problem), settings)
+        plan = fitted(problem, plan) if isinstance(plan, Plan) else plan
     except StudyError as error:
         return error
     except Exception as error:

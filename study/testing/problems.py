@@ -7,7 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from study.arm import ArmLimits
 from study.errors import StudyError
+from study.mechanism import Mechanism
 from study.problem import EndCondition, Floats, JointLimits, Problem, State, StraightPath, Timing, Tube
 
 
@@ -146,6 +148,17 @@ def example_problems() -> tuple[Problem, ...]:
         replace(jerky, name="a tolerance", tolerance=np.array(0.02)),
         replace(jerky, name="straight lines", path=StraightPath(np.array(0.05))),
         replace(jerky, name="a tube", path=Tube(np.array(0.03))),
+        replace(jerky, name="a heavy arm", arm=ArmLimits(_two_links(), np.array([60.0, 20.0]), 0.6, 1.5)),
         replace(jerky, name="a duration", timing=Timing(exactly=5.0)),
         replace(jerky, name="whole cycles", timing=Timing(cycle=0.01)),
     )
+
+
+def _two_links() -> Mechanism:
+    """Two links of half a metre in a vertical plane, with a point mass at the end of each."""
+    origins, centres = np.tile(np.eye(4), (3, 1, 1)), np.array([[0.5, 0.0, 0.0]] * 2)
+    origins[0, :3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+    origins[1:, 0, 3] = 0.5
+    nothing = np.zeros(2)
+    masses, bodies = np.array([3.0, 2.0]), np.zeros((2, 3, 3))
+    return Mechanism(origins[:2], nothing, masses, centres, bodies, nothing, nothing, nothing, tool=origins[2])

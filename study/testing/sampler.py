@@ -11,6 +11,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 
 from study.parametric import ParametricTrajectory
 from study.problem import Floats, JointLimits, Problem, StraightPath
+from study.testing.second_dynamics import arm_shares
 from study.tolerances import TOLERANCE
 from study.trajectory import Motion, Trajectory
 
@@ -108,6 +109,10 @@ class _Samples:
         yield "order of waypoints", float((np.diff(self.passed) < 0).any())
         yield from self._smooth()
         yield from self._still()
+        if problem.arm is not None:
+            states = self.states[:3].reshape(3, -1, problem.n_joints)
+            shares = arm_shares(problem.arm, *states).max(axis=0, initial=0.0)
+            yield from zip(problem.arm.names(problem.joint_names), shares - 1, strict=True)
         if problem.path is not None:
             yield "path", max(self._off_path(segment) for segment in range(problem.n_segments))
 

@@ -13,10 +13,11 @@ from study.api import TIERS, plan
 from study.demands import refusal
 from study.errors import StudyError
 from study.judge import judge
-from study.planning import RunSettings, Status, in_time, usual_settings
+from study.planning import RunSettings, Status, usual_settings
 from study.problem import Problem
 from study.registry import planner_named, planner_names, unavailable_planners
 from study.runs.pool import Overdue, WorkerDied, WorkerPool
+from study.slowing import fitted, told
 from study.testing import random_problem
 from study.testing.sampler import sampled
 
@@ -86,7 +87,7 @@ def endure(attempt: Attempt) -> AttemptEnd:
     if reason := refusal(problem.planner_demands, planner.knows):
         return AttemptEnd(attempt, REASON, reason)
     try:
-        plan = in_time(problem, planner.plan(problem, settings))
+        plan = fitted(problem, planner.plan(told(planner, problem), settings))
         verdict = None if plan.motion is None else judge(problem, plan.motion)
     except StudyError as error:
         return AttemptEnd(attempt, REASON, str(error))

@@ -8,7 +8,7 @@ import pytest
 from study import judge, plan
 from study.bounds import LowerBound
 from study.curves import curve_named
-from study.demands import refusal
+from study.demands import ARM, refusal
 from study.errors import StudyError
 from study.formulation import Scaled
 from study.planners.segment_times import SegmentTimePlanner
@@ -261,7 +261,7 @@ def test_random_problems_are_repeatable_and_differ():
     assert {p.n_joints for p in drawn} == set(range(1, 9))
     assert {p.n_waypoints for p in drawn} >= set(range(2, 26))
     assert max(p.n_waypoints for p in drawn) > 100
-    assert {demand for p in drawn for demand in p.demands} >= set(Demand) - {Demand.DURATION, Demand.CYCLE}
+    assert {demand for p in drawn for demand in p.demands} >= set(Demand) - ARM - {Demand.DURATION, Demand.CYCLE}
     assert {p.end for p in drawn} == set(EndCondition)
     assert any(not p.moving.all() and np.ptp(p.waypoints, axis=0).all() for p in drawn)
     spans = np.concatenate([np.ptp(p.waypoints, axis=0)[p.moving] for p in drawn])
