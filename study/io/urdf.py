@@ -86,12 +86,16 @@ class UrdfMesh:
 
 @dataclass(frozen=True, eq=False)
 class Urdf:
-    """A robot description: its name, joints and meshes in the file's order, and notes on how they were taken."""
+    """A robot description: its name, joints and meshes in the file's order, and notes on how they were taken.
+
+    `collisions` are the meshes that links are looked for collisions with, mostly smaller than what they are shown as.
+    """
 
     name: str
     joints: tuple[UrdfJoint, ...]
     meshes: tuple[UrdfMesh, ...] = ()
     notes: tuple[str, ...] = ()
+    collisions: tuple[UrdfMesh, ...] = ()
 
     @property
     def moving(self) -> tuple[UrdfJoint, ...]:
@@ -153,13 +157,16 @@ def read_urdf(path: Path) -> Urdf:
     joints = tuple(_joint(element, where, notes) for element in root.findall("joint"))
     if not joints:
         raise StudyError(f"{where} has no joints; give the URDF of an arm")
-    meshes = tuple(
-        _mesh(link.get("name", ""), visual, mesh, where)
-        for link in root.findall("link")
-        for visual in link.findall("visual")
-        if (mesh := visual.find("geometry/mesh")) is not None
+    meshes, collisions = (
+        tuple(
+            _mesh(link.get("name", ""), part, mesh, where)
+            for link in root.findall("link")
+            for part in link.findall(kind)
+            if (mesh := part.find("geometry/mesh")) is not None
+        )
+        for kind in ("visual", "collision")
     )
-    return Urdf(root.get("name", path.stem), joints, meshes, tuple(notes))
+    return Urdf(root.get("name", path.stem), joints, meshes, tuple(notes), collisions)
 
 
 def _joint(element: ET.Element, where: str, notes: list[str]) -> UrdfJoint:

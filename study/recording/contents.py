@@ -135,9 +135,11 @@ class Contents:
 
     @property
     def first_look(self) -> tuple[Shown, ...]:
-        """The featured methods and, where they are few, the next in rank."""
+        """The featured methods and, where they are few, the next in rank; where they are many, no fixed path."""
         others = [each for each in self.shown if each not in self.featured]
-        picked = {*self.featured, *others[: max(FIRST_LOOK - len(self.featured), 0)]}
+        fixed = self.chosen.fixed.label if self.chosen.fixed is not None else ""
+        kept = [each for each in self.featured if len(self.featured) <= FIRST_LOOK or each.label != fixed]
+        picked = [*kept, *others][:FIRST_LOOK]
         return tuple(each for each in self.shown if each in picked)
 
     @property
@@ -152,7 +154,7 @@ class Contents:
 
         No infeasible ones but the published, and none far slower.
         """
-        wanted = self.featured if len(self.featured) >= FEW else self.first_look
+        wanted = [each for each in self.first_look if each in self.featured or len(self.featured) < FEW]
         judged = [each for each in wanted if each.feasible or each.published]
         reference = self.chosen.reference
         slowest = 2.5 * (reference.duration or np.inf) if reference is not None else np.inf

@@ -12,7 +12,10 @@ import rerun.blueprint as rrb
 from study.cases.library import Case
 from study.judge import RATES
 from study.recording.contents import NANOSECOND, Contents, Shown
+from study.recording.meshes import MESHES
 from study.recording.pictures import (
+    FEW_COLUMNS,
+    KEY_COLUMNS,
     LADDER_ROOM,
     Bounds,
     bars_bounds,
@@ -22,7 +25,7 @@ from study.recording.pictures import (
     key_height,
 )
 from study.recording.scene import OBSTACLES, Look, Scene
-from study.recording.signals import limit_values
+from study.recording.signals import lane_path, limit_values
 from study.recording.stream import SIGNALS, TIMELINE, entity, method_part
 from study.recording.summary import history, ladder_bars
 
@@ -42,8 +45,8 @@ def layout(contents: Contents, scene: Scene | None, populations: Sequence[Part] 
     tabs.append(drawing("Durations", "durations", bars_bounds(count, bars_pitch(count))))
     if scene is not None:
         if len(contents.case.obstacles):
-            tabs.append(rrb.TimeSeriesView(name="Distance to obstacles, m", origin="clearance"))
-        tabs.append(rrb.Grid(*(_arm(each, scene.every) for each in contents.shown), name="All arms"))
+            tabs.append(_clearance(contents.shown))
+        tabs.append(rrb.Grid(*(_arm(each, scene.every, scene) for each in contents.shown), name="All arms"))
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=0),
         rrb.BlueprintPanel(state="hidden"),
@@ -67,14 +70,31 @@ def _overview(contents: Contents, scene: Scene | None) -> rrb.Container:
         drawing("Ladder of lost time", "ladder", bars_bounds(rungs, bars_pitch(rungs, LADDER_ROOM))),
         row_shares=[3, 2],
     )
-    plots = rrb.Horizontal(
-        *(_plot(contents, order, joint, contents.compared) for order, joint in active_signals(contents))
-    )
+    near = scene is not None and len(contents.case.obstacles) > 0
+    signals = active_signals(contents, 2 if near else 3)
+    views = [_plot(contents, order, joint, contents.compared) for order, joint in signals]
+    plots = rrb.Horizontal(*views, *[_clearance(contents.compared)] * near)
+    key, height = drawing("Colours", "featured", key_bounds(len(contents.compared), FEW_COLUMNS)), 0.09
     if scene is None:
-        return rrb.Horizontal(words, plots, column_shares=[2, 3], name="Overview")
-    first = [_arm(each, scene.first) for each in contents.first_look]
-    arms = rrb.Grid(*first, grid_columns=min(3, (len(first) + 1) // 2))
-    return rrb.Horizontal(words, rrb.Vertical(arms, plots, row_shares=[3, 2]), column_shares=[2, 3], name="Overview")
+        arms: Part = rrb.TextDocumentView(name="No arm", origin="no_arm")
+    else:
+        first = [_arm(each, scene.first, scene) for each in contents.first_look]
+        arms = rrb.Grid(*first, grid_columns=min(3, (len(first) + 1) // 2))
+    shares = [0.6 if scene is not None else 0.2, height, 0.4 if scene is not None else 0.8]
+    return rrb.Horizontal(
+        words, rrb.Vertical(arms, key, plots, row_shares=shares), column_shares=[2, 3], name="Overview"
+    )
+
+
+def _clearance(only: Sequence[Shown]) -> rrb.TimeSeriesView:
+    """Plot how near arms come to obstacles; the line at zero is where they touch."""
+    parts = [entity("clearance", "_contact"), *(entity("clearance", method_part(each.label)) for each in only)]
+    return rrb.TimeSeriesView(
+        name="Distance to obstacles, m",
+        origin="clearance",
+        contents=[f"+ {part}" for part in parts],
+        plot_legend=rrb.PlotLegend(visible=False),
+    )
 
 
 def active_signals(contents: Contents, wanted: int = 3) -> list[tuple[int, int]]:
@@ -89,15 +109,32 @@ def active_signals(contents: Contents, wanted: int = 3) -> list[tuple[int, int]]
     return sorted(list(dict.fromkeys([*ranked, *others]))[:wanted])
 
 
-def _signal_tab(contents: Contents, order: int) -> rrb.Container:
+def _signal_tab(contents: Contents, order: int) -> Part:
+    """Plot a signal of all joints: of the featured methods, and a click away of all."""
     joints = range(contents.case.problem.n_joints)
-    plots = rrb.Grid(*(_plot(contents, order, joint) for joint in joints))
-    return under_key("Methods", "methods", len(contents.shown), [plots], TITLES[order])
+    few, every = (
+        rrb.Grid(*(_plot(contents, order, joint, only) for joint in joints)) for only in (contents.compared, ())
+    )
+    return _few_or_all(contents, "Methods", [few], [every], TITLES[order])
+
+
+def _few_or_all(contents: Contents, key: str, few: Sequence[Part], every: Sequence[Part], title: str) -> Part:
+    """Two tabs in one, of which the featured methods stand in front; one where both are the same, or few show nothing."""
+    count, total, joints = len(contents.compared), len(contents.shown), contents.case.problem.n_joints + 1
+    first, second = (("joints", joints),) * 2 if key == "Joints" else (("featured", count), ("methods", total))
+    if count == total or not few:
+        return under_key(key, *second, every, title)
+    tabs = (
+        under_key(key, *first, few, f"{count} featured methods"),
+        under_key(key, *second, every, f"All {total} methods"),
+    )
+    return rrb.Tabs(*tabs, active_tab=0, name=title)
 
 
 def under_key(name: str, origin: str, count: int, rows: Sequence[Part], title: str) -> rrb.Vertical:
     """Put rows of equal height below a key, which gets the height that so many names need."""
-    key, height = drawing(name, origin, key_bounds(count)), key_height(count)
+    columns = FEW_COLUMNS if origin == "featured" else KEY_COLUMNS
+    key, height = drawing(name, origin, key_bounds(count, columns)), key_height(count, columns)
     return rrb.Vertical(key, *rows, row_shares=[height, *[(1.0 - height) / len(rows)] * len(rows)], name=title)
 
 
@@ -133,10 +170,10 @@ def _axis(case: Case, order: int, joint: int) -> rrb.ScalarAxis | None:
     return rrb.ScalarAxis(range=(1.2 * pair[1], 1.2 * pair[0]), zoom_lock=False)
 
 
-def _arm(each: Shown, look: Look) -> rrb.Spatial3DView:
+def _arm(each: Shown, look: Look, scene: Scene) -> rrb.Spatial3DView:
     """Look at one method's arm; every arm on a tab is seen from the same place."""
     eye = rrb.EyeControls3D(position=look.eye, look_target=look.target, eye_up=(0.0, 0.0, 1.0))
-    parts = ["$origin/**", f"+ {OBSTACLES}"]
+    parts = ["$origin/**", f"+ {OBSTACLES}", *[f"+ {MESHES}/**"] * (scene.poses is not None)]
     return rrb.Spatial3DView(
         name=each.title, origin=entity("arms", method_part(each.label)), contents=parts, eye_controls=eye
     )
@@ -160,14 +197,16 @@ def _convergence(contents: Contents) -> list[Part]:
 
 
 def _activity(contents: Contents) -> list[Part]:
-    used = {use.order for each in contents.shown for use in each.uses}
-    lanes = [
-        rrb.StateTimelineView(
-            name=f"Joints at their {rate} limit, a lane for every method", origin=entity("activity", rate)
-        )
-        for order, rate in enumerate(RATES, start=1)
-        if order in used
-    ]
-    if not lanes:
-        return []
-    return [under_key("Joints", "joints", contents.case.problem.n_joints + 1, lanes, "Limits in use")]
+    few, every = (_lanes(contents, only) for only in (contents.compared, contents.shown))
+    return [_few_or_all(contents, "Joints", few, every, "Limits in use")] if every else []
+
+
+def _lanes(contents: Contents, only: Sequence[Shown]) -> list[Part]:
+    """Views of the joints at their limits, a lane for every method, as many as use one."""
+    views: list[Part] = []
+    for order, rate in enumerate(RATES, start=1):
+        lanes = [lane_path(contents, rate, each) for each in only if any(use.order == order for use in each.uses)]
+        if lanes:
+            parts, name = [f"+ {lane}" for lane in lanes], f"Joints at their {rate} limit, a lane for every method"
+            views.append(rrb.StateTimelineView(name=name, origin="/", contents=parts))
+    return views

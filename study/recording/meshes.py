@@ -1,4 +1,8 @@
-"""Arms whose links are shown as the meshes that the user's own robot description names."""
+"""Arms whose links are shown as the meshes that the user's own robot description names, every file written down once.
+
+A view shows an entity in one place only, but several instances of it. So all arms stand in one scene, `APART` from each
+other to the side, every view looks at its own, and a link's mesh has an instance in every arm.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +16,18 @@ from scipy.spatial.transform import Rotation
 from study.errors import StudyError
 from study.files import read_file
 from study.problem import Floats
-from study.recording.stream import time_column
+from study.recording.stream import entity, time_column
 from study.robots.meshes import Shape
+from study.robots.urdf import UrdfRobot
 
-ROOM = 12e6
-"""Bytes that a recording spends on meshes; every arm needs its own copy of them."""
+ROOM = 24e6
+"""Bytes that a recording spends on meshes, all together."""
 
+APART = 50.0
+"""Distance from arm to arm, m: beside the view, and near enough for single precision."""
+
+LIGHT = (190, 198, 206)
+MESHES = entity("meshes")
 MEDIA = {
     ".stl": "model/stl",
     ".obj": "model/obj",
@@ -26,24 +36,29 @@ MEDIA = {
 }
 
 
-def mesh_contents(shapes: Sequence[Shape], arms: int) -> dict[Path, bytes]:
-    """Read the meshes of an arm.
+def chosen_meshes(robot: UrdfRobot) -> tuple[tuple[Shape, ...], dict[Path, bytes], str]:
+    """Meshes that stand for the links, their files' contents, and what is to be said of them.
 
-    Parameters
-    ----------
-    shapes : sequence of Shape
-    arms : int
-        How many arms are drawn of them.
-
-    Raises
-    ------
-    StudyError
-        If a file cannot be read, or so many copies would make the recording too large.
+    What links are shown as comes first, what they are looked for collisions with where that is too much or not there, and
+    nothing, which stands for capsules, where neither will do.
     """
-    contents: dict[Path, bytes] = {}
-    for path in {shape.path for shape in shapes}:
-        contents[path] = read_file(path)
-    total = arms * sum(len(contents[shape.path]) for shape in shapes)
+    reason = robot.missing
+    for shapes in (robot.shapes, robot.plain):
+        if not shapes:
+            continue
+        try:
+            contents = _contents(shapes)
+        except StudyError as error:
+            reason = reason or str(error)
+            continue
+        said = f" Links are drawn as what they are looked for collisions with: {reason}." if reason else ""
+        return shapes, contents, said
+    return (), {}, f" Links are drawn as capsules: {reason}." if reason else ""
+
+
+def _contents(shapes: Sequence[Shape]) -> dict[Path, bytes]:
+    contents = {path: read_file(path) for path in {shape.path for shape in shapes}}
+    total = sum(map(len, contents.values()))
     if total > ROOM:
         raise StudyError(f"their meshes would take {total / 1e6:.0f} MB, of which {ROOM / 1e6:.0f} MB are allowed")
     return contents
@@ -51,37 +66,37 @@ def mesh_contents(shapes: Sequence[Shape], arms: int) -> dict[Path, bytes]:
 
 def log_meshes(
     stream: rr.RecordingStream,
-    path: str,
     shapes: Sequence[Shape],
     contents: dict[Path, bytes],
     poses: tuple[np.ndarray, Floats],
-    color: tuple[int, int, int],
+    across: Floats,
 ) -> None:
-    """Draw an arm: a moving frame for every link that has meshes, and these fixed to it.
+    """Draw the links of all arms to `/meshes`: every mesh once, with an instance in every arm.
 
     Parameters
     ----------
     stream : rerun.RecordingStream
-    path : str
     shapes : sequence of Shape
     contents : dict of Path to bytes
-    poses : tuple of int64 array of shape (n,), ns, and array of shape (n, n_links + 1, 4, 4), m
-        Times, and where the arm's frames are then.
-    color : tuple of three int
+    poses : tuple of int64 array of shape (n,), ns, and array of shape (n, n_arms, n_frames, 4, 4), m
+        Times, and where the arms' frames are then, every arm in its own base frame.
+    across : array of shape (n_arms, 3), m
+        Where their bases stand.
     """
     times, frames = poses
-    for frame in sorted({shape.frame for shape in shapes}):
-        turns = Rotation.from_matrix(frames[:, frame, :3, :3]).as_quat()
-        columns = rr.Transform3D.columns(translation=frames[:, frame, :3, 3], quaternion=turns)
-        stream.send_columns(f"{path}/frame{frame}", time_column(times), columns)
+    count = len(across)
     for number, shape in enumerate(shapes):
-        where = f"{path}/frame{shape.frame}/mesh{number}"
-        place = rr.Transform3D(
-            translation=shape.place[:3, 3],
-            quaternion=rr.Quaternion(xyzw=Rotation.from_matrix(shape.place[:3, :3]).as_quat()),
-            scale=shape.scale,
+        placed = frames[:, :, shape.frame] @ shape.place
+        turns = Rotation.from_matrix(placed[..., :3, :3].reshape(-1, 3, 3)).as_quat()
+        where = f"{MESHES}/{number}"
+        kind = shape.path.suffix.lower()
+        bare = LIGHT if kind == ".stl" else None  # a kind that has no colours of its own
+        stream.log(
+            where,
+            rr.Asset3D(contents=contents[shape.path], media_type=MEDIA[kind], albedo_factor=bare),
+            rr.InstancePoses3D.from_fields(scales=[shape.scale] * count),
+            static=True,
         )
-        stream.log(where, place, static=True)
-        media = MEDIA[shape.path.suffix.lower()]
-        asset = rr.Asset3D(contents=contents[shape.path], media_type=media, albedo_factor=color)
-        stream.log(where, asset, static=True)
+        places = (placed[..., :3, 3] + across).reshape(-1, 3)
+        columns = rr.InstancePoses3D.columns(translations=places, quaternions=turns)
+        stream.send_columns(where, time_column(times), columns.partition([count] * len(times)))

@@ -27,6 +27,8 @@ LADDER_ROOM = 310.0
 """Height that the first look has for the ladder."""
 PLOT = (1300.0, 640.0)
 KEY_PITCH, KEY_COLUMNS = 250.0, 7
+FEW_COLUMNS, FEW_PITCH = 3, 340.0
+"""Columns of a key of few names, which has room for long ones."""
 LETTER = 5.7
 HEAD = 34.0
 """Height of a view's title, pixels."""
@@ -104,21 +106,27 @@ def curves_bounds(lines: int) -> Bounds:
     return (-90.0, PLOT[0] + 260.0), (-50.0, max(PLOT[1], LINE * lines) + 70.0)
 
 
-def log_key(stream: rr.RecordingStream, where: str, names: Sequence[tuple[str, Color]]) -> None:
+def log_key(
+    stream: rr.RecordingStream, where: str, names: Sequence[tuple[str, Color]], columns: int = KEY_COLUMNS
+) -> None:
     """Write rows of names, each in the colour of what it stands for."""
     for place, (name, color) in enumerate(names):
-        row, column = divmod(place, KEY_COLUMNS)
-        log_text(stream, entity(where, name), (KEY_PITCH * column, LINE * row), name, color)
+        row, column = divmod(place, columns)
+        log_text(stream, entity(where, name), (_pitch(columns) * column, LINE * row), name, color)
 
 
-def key_bounds(count: int) -> Bounds:
+def _pitch(columns: int) -> float:
+    return FEW_PITCH if columns == FEW_COLUMNS else KEY_PITCH
+
+
+def key_bounds(count: int, columns: int = KEY_COLUMNS) -> Bounds:
     """Ranges of x and y that so many names fill."""
-    return (-20.0, KEY_PITCH * KEY_COLUMNS), (-0.7 * LINE, LINE * ((count - 1) // KEY_COLUMNS + 0.7))
+    return (-20.0, _pitch(columns) * columns), (-0.7 * LINE, LINE * ((count - 1) // columns + 0.7))
 
 
-def key_height(count: int) -> float:
+def key_height(count: int, columns: int = KEY_COLUMNS) -> float:
     """Share of a tab's height that so many names need, with the head of their view."""
-    low, high = key_bounds(count)[1]
+    low, high = key_bounds(count, columns)[1]
     return (high - low + HEAD) / SCREEN
 
 

@@ -10,11 +10,10 @@ import numpy as np
 import rerun as rr
 
 from study.cases.obstacles import world_of
-from study.errors import StudyError
 from study.pathfinding.world import arm_clearance
 from study.problem import Floats
 from study.recording.contents import NANOSECOND, Contents, Shown, in_seconds
-from study.recording.meshes import log_meshes, mesh_contents
+from study.recording.meshes import APART, chosen_meshes, log_meshes
 from study.recording.stream import LIMIT_COLOR, entity, method_part, time_column
 from study.robots import Robot, robot_named
 from study.robots.meshes import Shape
@@ -30,6 +29,9 @@ OBSTACLE_COLOR = (200, 120, 60)
 VIEW = (0.56, 0.40)
 """Largest distance to the side and up at which a point is seen, as shares of its distance; measured in the first look's views."""
 
+AROUND, LEAST = 1.5, 0.4
+"""The first look's views hold so many times the size of the tool paths, and at least such a share of the arm's."""
+
 FEW_WAYPOINTS = 6
 """Up to so many waypoints are labelled without pointing at them."""
 
@@ -44,17 +46,13 @@ class Look:
 
 @dataclass(frozen=True, eq=False)
 class _Arm:
-    """One method's arm: times (n,) ns, frames (n, n_links + 1, 4, 4), tool speeds (n,), tool places at waypoints.
-
-    Frames of meshes, shape (n, n_frames, 4, 4), are the arm's and those of joints that follow.
-    """
+    """One method's arm: times (n,) ns, frames (n, n_links + 1, 4, 4), tool speeds (n,), tool places at waypoints."""
 
     shown: Shown
     times: np.ndarray
     frames: Floats
     speeds: Floats
     waypoints: Floats
-    mesh_frames: Floats
 
     @property
     def chain(self) -> Floats:
@@ -74,8 +72,12 @@ class Scene:
     meshes : dict of Path to bytes
         Their files.
     first, every : Look
-        At the first look's arms, and at all feasible ones.
+        At the tool paths of the first look's methods, and at all feasible ones' whole arms.
     words : str
+    across : array of shape (n_arms, 3), m
+        Where the arms' bases stand; all in one place where no mesh is shared.
+    poses : tuple of int64 array of shape (n,), ns, and array of shape (n, n_arms, n_frames, 4, 4), m, optional
+        Times that all arms have in common, and the frames of meshes, which are the arm's and those of joints that follow.
     """
 
     arms: tuple[_Arm, ...]
@@ -84,6 +86,8 @@ class Scene:
     first: Look
     every: Look
     words: str
+    across: Floats
+    poses: tuple[np.ndarray, Floats] | None
 
     @property
     def fastest(self) -> float:
@@ -97,37 +101,57 @@ def scene_of(contents: Contents) -> Scene | None:
         return None
     robot = robot_named(contents.case.robot, tuple(contents.case.problem.joint_names))
     arms = tuple(_arm(robot, contents, each) for each in contents.shown)
-    shapes, reason = (robot.shapes, robot.missing) if isinstance(robot, UrdfRobot) else ((), "")
-    try:
-        meshes = mesh_contents(shapes, len(arms))
-    except StudyError as error:
-        shapes, meshes, reason = (), {}, str(error)
+    shapes, meshes, said = chosen_meshes(robot) if isinstance(robot, UrdfRobot) else ((), {}, "")
     first = [arm for arm in arms if arm.shown in contents.first_look]
-    near, far = (
-        _looking(seen, contents.case.obstacles)
-        for seen in (first, [arm for arm in arms if arm.shown.feasible] or first)
-    )
-    scene = Scene(arms, shapes, meshes, near, far, f" Links are drawn as capsules: {reason}." if reason else "")
+    far, right = _looking([arm for arm in arms if arm.shown.feasible] or first, contents.case.obstacles)
+    near, _ = _looking(first, contents.case.obstacles, at_path=True)
+    near = min(near, far, key=lambda look: float(np.linalg.norm(look.eye - look.target)))
+    apart = APART * np.arange(len(arms)) if shapes else np.zeros(len(arms))
+    poses = _common_poses(robot, contents) if shapes and isinstance(robot, UrdfRobot) else None
+    scene = Scene(arms, shapes, meshes, near, far, said, apart[:, None] * right, poses)
     return replace(scene, words=f"Tool paths: dark where slow, yellow at {scene.fastest:.3g} m/s.{scene.words}")
 
 
+def _common_poses(robot: UrdfRobot, contents: Contents) -> tuple[np.ndarray, Floats]:
+    """Times that all arms have in common, and the frames that carry meshes; what has ended stands still."""
+    longest = np.floor(contents.longest / NANOSECOND)
+    times = np.rint(np.linspace(0.0, longest, 2 * contents.samples)).astype(np.int64)
+    frames = []
+    for each in contents.shown:
+        q = each.motion(np.minimum(in_seconds(times), each.motion.duration))
+        frames.append(robot.mesh_frames(contents.case.robot_configuration(q)))
+    return times, np.stack(frames, axis=1)
+
+
 def log_scene(stream: rr.RecordingStream, contents: Contents, scene: Scene) -> None:
-    """Write the arms to `/arms`: links, tool path, waypoints; and obstacles."""
+    """Write the arms to `/arms`: links, tool path, waypoints; shared meshes to `/meshes`; and obstacles."""
     points = np.concatenate([arm.chain.reshape(-1, 3) for arm in scene.arms])
     reach = float(np.linalg.norm(np.ptp(points, axis=0)))
     stream.log("arms", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    for arm in scene.arms:
+    if scene.poses is not None:
+        log_meshes(stream, scene.shapes, scene.meshes, scene.poses, scene.across)
+    for arm, base in zip(scene.arms, scene.across, strict=True):
         path = entity("arms", method_part(arm.shown.label))
-        if scene.shapes:
-            poses = (arm.times, arm.mesh_frames)
-            log_meshes(stream, path + "/links", scene.shapes, scene.meshes, poses, arm.shown.color)
-        else:
+        if scene.poses is None:
             _log_links(stream, path, arm, 0.016 * reach)
+        else:
+            stream.log(path, rr.Transform3D(translation=base), static=True)
+            _log_ring(stream, path, arm, 0.12 * reach)
         _log_path(stream, path, arm, scene.fastest, 0.004 * reach)
     if len(contents.case.obstacles):
         low, high = np.moveaxis(contents.case.obstacles, 1, 0)
-        stream.log(OBSTACLES, rr.Boxes3D(mins=low, sizes=high - low, colors=OBSTACLE_COLOR), static=True)
+        bases = scene.across[:, None] if scene.poses is not None else np.zeros((1, 1, 3))
+        sizes = np.tile(high - low, (len(bases), 1))
+        boxes = rr.Boxes3D(mins=(low + bases).reshape(-1, 3), sizes=sizes, colors=OBSTACLE_COLOR)
+        stream.log(OBSTACLES, boxes, static=True)
         _log_clearance(stream, contents, scene.arms)
+
+
+def _log_ring(stream: rr.RecordingStream, path: str, arm: _Arm, radius: float) -> None:
+    """Lay a ring in the method's colour around the base, as shared meshes cannot have it."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 49)
+    ring = arm.chain[0, 0] + radius * np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)])
+    stream.log(path + "/base", rr.LineStrips3D([ring], colors=arm.shown.color, radii=0.06 * radius), static=True)
 
 
 def _log_clearance(stream: rr.RecordingStream, contents: Contents, arms: Sequence[_Arm]) -> None:
@@ -147,10 +171,11 @@ def _log_clearance(stream: rr.RecordingStream, contents: Contents, arms: Sequenc
             stream.log(where, rr.Points3D(hits, colors=LIMIT_COLOR, radii=0.4 * contents.case.arm_radius), static=True)
 
 
-def _looking(arms: Sequence[_Arm], obstacles: Floats) -> Look:
-    """Look across the arms' widest horizontal direction, from the tool's side and a little from above.
+def _looking(arms: Sequence[_Arm], obstacles: Floats, at_path: bool = False) -> tuple[Look, Floats]:
+    """Look across the arms' widest horizontal direction, from the tool's side and a little from above; and its right.
 
-    The eye comes as near as it can with all arms and obstacles within `VIEW`.
+    The eye comes as near as it can with all arms and obstacles within `VIEW`, or, at the path, tool paths and obstacles,
+    with some of the arm around them.
     """
     points = np.concatenate([*(arm.chain.reshape(-1, 3) for arm in arms), obstacles.reshape(-1, 3)])
     tool = np.concatenate([arm.chain[:, -1] for arm in arms])
@@ -161,10 +186,16 @@ def _looking(arms: Sequence[_Arm], obstacles: Floats) -> Look:
     back = np.append(towards, 0.35) / np.linalg.norm([1.0, 0.35])
     right = np.append([-towards[1], towards[0]], 0.0)
     frame = np.array([right, np.cross(back, right)])
+    if at_path:
+        centre, size = 0.5 * (tool.min(axis=0) + tool.max(axis=0)), float(np.linalg.norm(np.ptp(tool, axis=0)))
+        around = max(AROUND, LEAST * float(np.linalg.norm(high - low)) / max(size, 1e-9))
+        wide = [centre + around * (tool - centre), obstacles.reshape(-1, 3)]
+        points = np.concatenate(wide) if size > 1e-6 else points
+        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     across = frame @ points.T
     target = middle + frame.T @ (0.5 * (across.min(axis=1) + across.max(axis=1)) - frame @ middle)
     beside = np.abs(frame @ (points - target).T) / np.array(VIEW)[:, None]
-    return Look(target + back * float(((points - target) @ back + beside.max(axis=0)).max()), target)
+    return Look(target + back * float(((points - target) @ back + beside.max(axis=0)).max()), target), right
 
 
 def _arm(robot: Robot, contents: Contents, shown: Shown) -> _Arm:
@@ -175,10 +206,7 @@ def _arm(robot: Robot, contents: Contents, shown: Shown) -> _Arm:
         for q in (shown.motion(in_seconds(times)), contents.case.problem.waypoints)
     )
     velocity = np.gradient(frames[:, -1, :3, 3], in_seconds(times), axis=0)
-    speeds, moving = np.linalg.norm(velocity, axis=1), frames
-    if isinstance(robot, UrdfRobot) and robot.carriers:
-        moving = robot.mesh_frames(contents.case.robot_configuration(shown.motion(in_seconds(times))))
-    return _Arm(shown, times, frames, speeds, there[:, -1, :3, 3], moving)
+    return _Arm(shown, times, frames, np.linalg.norm(velocity, axis=1), there[:, -1, :3, 3])
 
 
 def _log_links(stream: rr.RecordingStream, path: str, arm: _Arm, radius: float) -> None:

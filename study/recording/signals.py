@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import rerun as rr
 
@@ -10,7 +12,7 @@ from study.cases.library import Case
 from study.judge import RATES
 from study.problem import Floats
 from study.recording.contents import NANOSECOND, PALETTE, Contents, Shown, in_seconds
-from study.recording.pictures import log_key
+from study.recording.pictures import FEW_COLUMNS, log_key
 from study.recording.stream import LIMIT_COLOR, SIGNALS, entity, method_part, time_column
 from study.trajectory import Motion
 
@@ -21,6 +23,7 @@ SEVERAL = (200, 200, 200)
 def log_signals(stream: rr.RecordingStream, contents: Contents) -> None:
     """Write every method's `/q`, `/v`, `/a` and `/jerk` joint by joint, with limit lines and saturation marks."""
     log_key(stream, "methods", [(each.label, each.color) for each in contents.shown])
+    log_key(stream, "featured", [(each.title, each.color) for each in contents.compared], FEW_COLUMNS)
     log_limits(stream, contents)
     names = contents.case.problem.joint_names
     for each in contents.shown:
@@ -42,14 +45,14 @@ def log_limits(stream: rr.RecordingStream, contents: Contents) -> None:
 
 
 def log_activity(stream: rr.RecordingStream, contents: Contents) -> None:
-    """Write one lane per method and kind of limit to `/activity`: the joints that use it up."""
+    """Write one lane per method and kind of limit, see `lane_path`: the joints that use it up."""
     names = tuple(contents.case.problem.joint_names)
     log_key(stream, "joints", [(name, _lane_color(names, name)) for name in names] + [("several", SEVERAL)])
     for each in contents.shown:
         for order, rate in enumerate(RATES, start=1):
             changes = lane(each.uses, order, names)
             texts = [text for _, text in changes]
-            path = entity("activity", rate, method_part(each.label))
+            path = lane_path(contents, rate, each)
             shown = sorted({text for text in texts if text})
             if not shown:
                 continue
@@ -60,6 +63,12 @@ def log_activity(stream: rr.RecordingStream, contents: Contents) -> None:
             end = np.floor(each.motion.duration / NANOSECOND)
             times = np.append(np.minimum(whole, end - 1), end)
             stream.send_columns(path, time_column(times), rr.StateChange.columns(state=[*texts, ""]))
+
+
+def lane_path(contents: Contents, rate: str, each: Shown) -> str:
+    """Entity path of a lane, which the viewer shows beside it: ordered by rank, and with nothing that needs an escape."""
+    place = contents.shown.index(each) + 1
+    return entity(rate, f"{place:02d}_{re.sub('[^A-Za-z0-9_.-]+', '_', each.label)}")
 
 
 def limit_values(case: Case, order: int, joint: int) -> Floats | None:

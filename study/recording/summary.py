@@ -18,6 +18,10 @@ from study.recording.stream import EVALUATION, entity, method_part
 
 EVALUATIONS = EffortAxis("evaluations", count)
 WALL_TIME = EffortAxis("wall time, shared out evenly over the evaluations of a run", wall)
+NO_ARM = """\
+No arm is drawn, because the case names none. In a case of one's own `robot: arm.urdf`, beside the limits, gives every
+method its arm here, with tool path, obstacles and distances; in Python `plan(problem).show(robot="arm.urdf")` does.
+"""
 SHORTEST = 1e-6
 """Wall times are not taken for shorter than this, s."""
 
@@ -36,6 +40,8 @@ def log_summary(stream: rr.RecordingStream, contents: Contents, scene: str = "")
         What is to be said of the arms, where some are drawn.
     """
     log_standings(stream, contents, scene)
+    if not scene:
+        stream.log("no_arm", rr.TextDocument(NO_ARM, media_type=rr.MediaType.MARKDOWN), static=True)
     bars = ladder_bars(contents)
     log_bars(stream, "ladder", bars, bars_pitch(len(bars), LADDER_ROOM))
 
@@ -234,7 +240,7 @@ def _row(method: MethodSummary, driving: str) -> str:
     time = seconds(method.duration).replace(DASH, "")
     cells = (
         plain(method.label),
-        _verdict(method) + (f"; {plain(driving)}" if ":" in driving else ""),
+        _verdict(method) + (f", {driving.partition(':')[0]}" if ":" in driving else ""),
         time,
         gap,
         (method.freedom or "") if method.motion else "",
@@ -257,6 +263,9 @@ def _remarks(contents: Contents) -> list[str]:
     lines = ["Time is the median of the feasible runs, and the run of median time is the one that moves.", ""]
     lines[0] += " Gap is to the fastest feasible run on whatever path."
     lines += ["## Why not feasible", *reasons, ""] if reasons else []
+    said = {label: text.partition(": ")[2] for label, text in contents.summary.driving.items()}
+    near = [f"- **{plain(label)}**: {plain(text)}" for label, text in said.items() if text]
+    lines += ["## How near the arm comes", *near, ""] if near else []
     return lines + (["## Notes", *notes] if notes else [])
 
 

@@ -44,7 +44,7 @@ class Swarm:
         """Remark on the change of the durations before they are driven."""
         run = self.shown.method.representative
         scaled = run is not None and run.cell.settings.formulation is Formulation.SCALED
-        return " before they are stretched to the limits" if scaled else ""
+        return " before they are stretched to the limits (only proportions count)" if scaled else ""
 
     @property
     def n_segments(self) -> int:
@@ -153,7 +153,9 @@ def _best(swarm: Swarm, generation: int, bounds: Floats, corner: Floats) -> rr.P
 
 def log_frame(stream: rr.RecordingStream, where: str, corner: Floats, bounds: Floats, n_segments: int) -> None:
     """Lines at the ends of the search's box and at every power of ten between, and between the segments."""
-    levels = np.unique(np.round([*bounds, *np.arange(np.ceil(bounds[0]), np.floor(bounds[1]) + 1)], 9))
+    decades = np.arange(np.floor(bounds[0]), np.floor(bounds[1]) + 1)
+    ticks = [t for t in (decades[:, None] + np.log10([1.0, 2.0, 5.0])).ravel() if bounds[0] < t < bounds[1]]
+    levels = np.unique(np.round([*bounds, *ticks], 9))
     heights = 1.0 - (levels - bounds[0]) / (bounds[1] - bounds[0])
     edges = np.arange(n_segments + 1) / n_segments
     across = [[corner + SIZE * (0, y), corner + SIZE * (1, y)] for y in heights]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
@@ -39,23 +39,27 @@ class Shape:
     path: Path
 
 
-def shapes_of(urdf: Urdf, places: Mapping[str, int], file: Path) -> tuple[Shape, ...]:
-    """Meshes of an arm, each with the frame that carries it; other joints stand at zero.
+def shapes_of(
+    urdf: Urdf, meshes: Sequence[UrdfMesh], places: Mapping[str, int], file: Path
+) -> tuple[tuple[Shape, ...], str]:
+    """Meshes of an arm, each with the frame that carries it, or none and why; other joints stand at zero.
+
+    An arm with some of its links left out would be taken for another one.
 
     Parameters
     ----------
     urdf : Urdf
+    meshes : sequence of UrdfMesh
+        Its own, for show or for collisions.
     places : mapping of str to int
         Joints that move: the frame behind each.
     file : Path
         The URDF file, beside which the meshes are.
-
-    Raises
-    ------
-    StudyError
-        If a mesh is missing or has a format that the viewer cannot show.
     """
-    return tuple(_shape(urdf, mesh, places, file) for mesh in urdf.meshes)
+    try:
+        return tuple(_shape(urdf, mesh, places, file) for mesh in meshes), ""
+    except StudyError as error:
+        return (), str(error)
 
 
 def _shape(urdf: Urdf, mesh: UrdfMesh, places: Mapping[str, int], file: Path) -> Shape:

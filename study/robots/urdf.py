@@ -45,6 +45,8 @@ class UrdfRobot(Robot):
         Frames of joints that follow, as far as meshes hang on them.
     shapes : tuple of Shape
         Meshes that stand for the links; none where the file names none or not all of them can be shown.
+    plain : tuple of Shape
+        Those that links are looked for collisions with, where every link that is shown has one.
     missing : str
         Why they cannot be shown, or empty.
     """
@@ -53,6 +55,7 @@ class UrdfRobot(Robot):
     drives: Mapping[str, Drive] = field(default_factory=dict)
     carriers: tuple[Carrier, ...] = ()
     shapes: tuple[Shape, ...] = ()
+    plain: tuple[Shape, ...] = ()
     missing: str = ""
 
     def _steps(self, q: Floats) -> Floats:
@@ -115,7 +118,9 @@ def urdf_robot(path: Path, names: Sequence[str] = ()) -> UrdfRobot:
     zeros = np.zeros(len(last))
     drives = {name: _drive(movers, names, name) for name in movers if name in names or movers[name].mimic is not None}
     places, carriers = _carriers(urdf, names, drives)
-    shapes, missing = _shapes(urdf, places, path)
+    shapes, missing = shapes_of(urdf, urdf.meshes, places, path)
+    bare = {mesh.link for mesh in urdf.meshes} - {mesh.link for mesh in urdf.collisions}
+    plain = () if bare else shapes_of(urdf, urdf.collisions, places, path)[0]
     lowest = [-np.inf if mover.lower is None else mover.lower for mover in last]
     highest = [np.inf if mover.upper is None else mover.upper for mover in last]
     return UrdfRobot(
@@ -133,6 +138,7 @@ def urdf_robot(path: Path, names: Sequence[str] = ()) -> UrdfRobot:
         drives=drives,
         carriers=carriers,
         shapes=shapes,
+        plain=plain,
         missing=missing,
     )
 
@@ -153,7 +159,7 @@ def _carriers(
 ) -> tuple[dict[str, int], tuple[Carrier, ...]]:
     """Frame behind every joint that moves, by the joint's name, and those frames that are not the arm's."""
     places, carriers = {name: k + 1 for k, name in enumerate(names)}, list[Carrier]()
-    for mesh in urdf.meshes:
+    for mesh in (*urdf.meshes, *urdf.collisions):
         before, held = 0, list[UrdfJoint]()
         for joint in urdf.above(mesh.link):
             held.append(joint)
@@ -163,11 +169,3 @@ def _carriers(
             if joint.name in places:
                 before, held = places[joint.name], []
     return places, tuple(carriers)
-
-
-def _shapes(urdf: Urdf, places: Mapping[str, int], path: Path) -> tuple[tuple[Shape, ...], str]:
-    """All meshes, or none and why: an arm with some of its links left out would be taken for another one."""
-    try:
-        return shapes_of(urdf, places, path), ""
-    except StudyError as error:
-        return (), str(error)

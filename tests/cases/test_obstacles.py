@@ -17,7 +17,7 @@ from study.cli.terminal import reasons
 from study.pathfinding.world import segment_distances
 from study.planning import RunSettings
 from study.recording.contents import Contents
-from study.recording.summary import _row, _winner, plain
+from study.recording.summary import _winner, markdown, plain
 from study.report.tables import RESULTS, records
 from study.robots import robot_named
 from study.runs.execute import CellJob
@@ -132,7 +132,10 @@ def test_terminal_report_and_recording_say_the_same_of_a_motion(arm, clear):
     assert said.startswith("may be driven: the arm stays" if clear else "must not be driven: the arm hits an obstacle")
     [record] = records(RESULTS, [(summary, method, "arm.yaml")])
     assert record["driving"] == said
-    assert plain(said) in _row(method, said)
+    words = markdown(Contents(summary, (), 1.0, 2)).splitlines()
+    verdict, _, sentence = said.partition(": ")
+    assert any(line.startswith(f"| ruckig-stops | feasible, {verdict} |") for line in words)
+    assert f"- **ruckig-stops**: {plain(sentence)}" in words
     console = Console(width=200, record=True, file=StringIO())
     assert report_verdict(case, method.motion, console) is clear
     text = console.export_text()

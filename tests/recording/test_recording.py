@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +22,7 @@ from study.problem import Floats, JointLimits, Problem
 from study.recording import APPLICATION, case_recording, record_case, scene
 from study.recording.contents import NANOSECOND, gather, sample_times
 from study.recording.process import private_environment
+from study.recording.signals import lane_path
 from study.recording.stream import entity, method_part
 from study.recording.summary import markdown, plain
 from study.robots import robot_named
@@ -109,9 +111,11 @@ def test_the_most_used_limit_of_a_stretched_candidate_is_marked_and_stands_in_it
     name = woodworking.problem.joint_names[joint]
     times, _ = series(recorded, entity(("v", "a", "jerk")[order], name, row.label, "saturated"))
     assert np.abs(times * NANOSECOND - verdict.times[order, joint]).min() < 0.1
-    (batch,) = chunks(
-        recorded, entity("activity", ("velocity", "acceleration", "jerk")[order], row.label), "StateChange:state"
-    )
+    contents = gather(summarise_case(woodworking, some_results(woodworking)), 250)
+    each = next(one for one in contents.shown if one.label == row.label)
+    where = lane_path(contents, ("velocity", "acceleration", "jerk")[order], each)
+    assert re.fullmatch(r"/?\w+/\d\d_pso_scaled_shared", where)
+    (batch,) = chunks(recorded, where, "StateChange:state")
     changes = batch.column("t").cast(pa.int64()).to_numpy() * NANOSECOND
     states = [state[0] for state in batch.column("StateChange:state").to_pylist()]
     assert states[-1] == ""
@@ -270,35 +274,76 @@ def test_errors_are_sentences(woodworking: Case, tmp_path: Path, monkeypatch: py
 
 
 @pytest.mark.parametrize("name", ["woodworking", "ur5-bspline", "puma560"])
-def test_every_arm_of_the_first_look_is_within_the_view_and_fills_it(
+def test_tool_paths_stand_large_in_the_first_look_and_whole_arms_fill_the_view_of_all(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     case = load_case(name)
-    seen: list[tuple[Any, Floats]] = []
+    seen: list[tuple[Any, Any]] = []
     looking = scene._looking
 
-    def noted(arms: Any, obstacles: Floats) -> Any:
-        points = np.concatenate([arm.chain.reshape(-1, 3) for arm in arms])
-        seen.append((looking(arms, obstacles), points))
+    def noted(arms: Any, obstacles: Floats, at_path: bool = False) -> Any:
+        seen.append((looking(arms, obstacles, at_path), arms))
         return seen[-1][0]
 
     monkeypatch.setattr(scene, "_looking", noted)
     record_case(summarise_case(case, some_results(case)), tmp_path / "a.rrd", samples=20)
-    (look, points), _ = seen
+    ((far, _), every), ((near, _), first) = seen
+    near = min(near, far, key=lambda look: np.linalg.norm(look.eye - look.target))
+    whole = np.concatenate([arm.chain.reshape(-1, 3) for arm in every])
+    assert used_of_the_view(far, whole).max() == pytest.approx(1.0)
+    paths = np.concatenate([arm.chain[:, -1] for arm in first])
+    shown = used_of_the_view(near, paths).max()
+    assert 0.2 < shown < 1.0 + 1e-9
+
+
+def used_of_the_view(look: Any, points: Floats) -> Floats:
+    """Largest shares of half the view's width and height that points take."""
     eye, target = look.eye, look.target
     back = (eye - target) / np.linalg.norm(eye - target)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
     depth = (eye - points) @ back
     shares = np.abs(np.stack([(points - eye) @ right, (points - eye) @ np.cross(back, right)])) / depth
-    used = shares.max(axis=1) / scene.VIEW
     assert depth.min() > 0
-    assert used.max() == pytest.approx(1.0)
+    return np.asarray(shares.max(axis=1) / scene.VIEW)
 
 
 def test_waypoints_that_lie_together_share_a_label() -> None:
     places = np.array([[0.0, 0, 0], [1, 0, 0], [0, 0.01, 0], [1, 0.5, 0]])
     assert scene._labels(places, 0.1) == ["1, 3", "2", "", "4"]
+
+
+def names_in_layout(path: Path) -> set[str]:
+    reader = RrdReader(str(path))
+    (blueprint,) = reader.blueprints()
+    found = set()
+    for chunk in reader.stream(store=blueprint).to_chunks():
+        batch = chunk.to_record_batch()
+        for name in batch.schema.names:
+            if name.endswith(":display_name"):
+                found |= {text for (text,) in batch.column(name).to_pylist()}
+    return found
+
+
+def test_few_methods_stand_in_front_and_all_of_them_a_click_away(tmp_path: Path) -> None:
+    case = load_case("puma560")
+    shares = np.random.default_rng(1).uniform(0.5, 1.5, size=(12, case.problem.n_segments))
+    results = [result(case, f"method {k}", on_curve(case, d)) for k, d in enumerate(shares)]
+    summary = summarise_case(case, results)
+    contents = gather(summary, 20)
+    assert len(contents.first_look) == 6
+    assert len(contents.compared) <= 6 < len(contents.shown)
+    path = record_case(summary, tmp_path / "a.rrd", samples=20)
+    wanted = {f"{len(contents.compared)} featured methods", f"All {len(contents.shown)} methods", "Position", "Jerk"}
+    assert wanted <= names_in_layout(path)
+
+
+def test_a_case_without_an_arm_says_how_to_give_one(woodworking: Case, tmp_path: Path) -> None:
+    case = replace(woodworking, robot=None)
+    path = record_case(summarise_case(case, some_results(case)), tmp_path / "a.rrd", samples=20)
+    (batch,) = chunks(path, "/no_arm", "TextDocument:text")
+    assert "`robot: arm.urdf`" in batch.column("TextDocument:text").to_pylist()[0][0]
+    assert "No arm" in names_in_layout(path)
 
 
 def test_markdown_is_made_harmless() -> None:

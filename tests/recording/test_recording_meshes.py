@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pytest
+from rerun.chunk import RrdReader
 
 from study.analysis.case_summary import summarise_case
 from study.cases.library import Case, load_case
@@ -84,21 +85,27 @@ def test_meshes_stand_where_forward_kinematics_puts_their_links(
     assert robot.missing == ""
     assert [shape.frame for shape in robot.shapes] == [0, 1, 3, 3]
     assert "capsules" not in summary(path)
-    one = next(o for o in gather(summarise_case(case, [result(case, "one", on_curve(case, np.ones(3)))]), 30).shown)
+    runs = [result(case, name, on_curve(case, np.array(d))) for name, d in (("one", [1, 1, 1]), ("two", [2, 1, 1]))]
+    shown = gather(summarise_case(case, runs), 30).shown
+    bases = []
+    for each in shown:
+        (batch,) = chunks(path, entity("arms", each.label), "Transform3D:translation")
+        bases.append(batch.column("Transform3D:translation").to_pylist()[0][0])
+        assert chunks(path, entity("arms", each.label, "base"), "LineStrips3D:strips")
+    assert np.linalg.norm(np.subtract(*bases)) == pytest.approx(meshes.APART)
     for number, shape in enumerate(robot.shapes):
-        where = entity("arms", "one", "links", f"frame{shape.frame}")
-        (batch,) = chunks(path, where, "Transform3D:translation")
-        times = batch.column("t").cast(pa.int64()).to_numpy()
-        frames = robot.frames(one.motion(times * NANOSECOND))[:, shape.frame]
-        moved = batch.column("Transform3D:translation").flatten().flatten().to_numpy().reshape(-1, 3)
-        np.testing.assert_allclose(moved, frames[:, :3, 3], atol=1e-6)
-        (batch,) = chunks(path, f"{where}/mesh{number}", "Asset3D:blob")
+        (batch,) = chunks(path, f"/meshes/{number}", "InstancePoses3D:translations")
+        times = batch.column("t").cast(pa.int64()).to_numpy() * NANOSECOND
+        moved = batch.column("InstancePoses3D:translations").flatten().flatten().to_numpy().reshape(-1, 2, 3)
+        for arm, (each, base) in enumerate(zip(shown, bases, strict=True)):
+            frames = robot.frames(each.motion(np.minimum(times, each.motion.duration)))[:, shape.frame] @ shape.place
+            np.testing.assert_allclose(moved[:, arm], frames[:, :3, 3] + base, atol=1e-5)
+        (batch,) = chunks(path, f"/meshes/{number}", "Asset3D:blob")
         (blob,) = batch.column("Asset3D:blob").to_pylist()[0]
         assert bytes(blob) == shape.path.read_bytes()
-        (batch,) = chunks(path, f"{where}/mesh{number}", "Transform3D:translation")
-        fixed = np.array(batch.column("Transform3D:translation").to_pylist()[0][0])
-        np.testing.assert_allclose(fixed, shape.place[:3, 3], atol=1e-6)
         np.testing.assert_array_equal(shape.scale, 2.0)
+    paths = RrdReader(str(path)).store().schema().entity_paths()
+    assert sum(path.startswith("/meshes/") for path in paths) == len(robot.shapes)  # once for both arms
     with private_environment() as (program, environment):
         subprocess.run([program, "rrd", "verify", str(path)], env=environment, check=True, capture_output=True)
 
@@ -144,7 +151,36 @@ def test_meshes_that_would_fill_the_recording_are_left_out(
     robot_named.cache_clear()
     monkeypatch.setattr(meshes, "ROOM", 100)
     text = summary(recorded(replace(case), tmp_path / "a.rrd"))
-    assert "their meshes would take" in text
+    assert "Links are drawn as capsules: their meshes would take" in text
+
+
+@pytest.mark.parametrize("heavy", [True, False])
+def test_collision_meshes_stand_in_for_those_that_are_too_large_or_cannot_be_shown(
+    make: Callable[..., tuple[Case, Path]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, heavy: bool
+) -> None:
+    case, folder = make(l1="large.stl" if heavy else "fine.ply", tool="large.stl")
+    urdf = folder / "bench.urdf"
+    collision = '<collision><geometry><mesh filename="small.stl"/></geometry></collision></link>'
+    urdf.write_text(urdf.read_text().replace("</visual></link>", f"</visual>{collision}"))
+    (folder / "small.stl").write_bytes(tetrahedron())
+    (folder / "large.stl").write_bytes(tetrahedron() + b"\0" * 1000)
+    monkeypatch.setattr(meshes, "ROOM", 900)
+    robot_named.cache_clear()
+    path = recorded(case, tmp_path / "a.rrd")
+    text = summary(path).replace("\\", "")
+    assert "Links are drawn as what they are looked for collisions with: " in text
+    assert ("their meshes would take" if heavy else "'fine.ply' is no mesh") in text
+    (batch,) = chunks(path, "/meshes/0", "Asset3D:blob")
+    assert bytes(batch.column("Asset3D:blob").to_pylist()[0][0]) == tetrahedron()
+
+
+def test_collision_meshes_of_some_links_only_do_not_stand_for_an_arm(make: Callable[..., tuple[Case, Path]]) -> None:
+    _, folder = make(l1="gone.stl", tool="gone.stl")
+    urdf = folder / "bench.urdf"
+    collision = '<collision><geometry><mesh filename="small.stl"/></geometry></collision></link>'
+    urdf.write_text(urdf.read_text().replace("</visual></link>", f"</visual>{collision}", 1))
+    (folder / "small.stl").write_bytes(tetrahedron())
+    assert urdf_robot(urdf).plain == ()
 
 
 @can_draw

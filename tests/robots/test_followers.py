@@ -10,7 +10,6 @@ from study.analysis.case_summary import summarise_case
 from study.cases.library import load_case
 from study.recording import record_case
 from study.recording.contents import NANOSECOND
-from study.recording.stream import entity
 from study.robots import robot_named
 from study.robots.urdf import urdf_robot
 from tests.helpers.recordings import chunks, on_curve, result
@@ -82,8 +81,9 @@ def test_the_recording_moves_the_fingers(folder, tmp_path):
     path = record_case(summarise_case(case, [result(case, "one", motion)]), tmp_path / "a.rrd", samples=20)
     arm = robot_named(str(case.robot), ("lower", "reach"))
     finger = arm.shapes[1].frame
-    (batch,) = chunks(path, entity("arms", "one", "links", f"frame{finger}"), "Transform3D:translation")
+    (batch,) = chunks(path, "/meshes/1", "InstancePoses3D:translations")
     times = batch.column("t").cast(pa.int64()).to_numpy() * NANOSECOND
-    moved = batch.column("Transform3D:translation").flatten().flatten().to_numpy().reshape(-1, 3)
-    np.testing.assert_allclose(moved, arm.mesh_frames(motion(times))[:, finger, :3, 3], atol=1e-6)
+    moved = batch.column("InstancePoses3D:translations").flatten().flatten().to_numpy().reshape(-1, 3)
+    expected = (arm.mesh_frames(motion(times))[:, finger] @ arm.shapes[1].place)[:, :3, 3]
+    np.testing.assert_allclose(moved, expected, atol=1e-6)
     assert np.ptp(moved, axis=0).max() > 0.1
