@@ -28,7 +28,7 @@ MEMORY = Path("/proc/self/statm").exists()
 """True if this system can limit the memory of a worker."""
 
 GUARD = 'put what your script runs under `if __name__ == "__main__":`, as workers import it'
-"""What to do where a worker cannot start."""
+"""Remedy where a worker cannot start."""
 
 P = ParamSpec("P")
 T = TypeVar("T")
