@@ -20,8 +20,8 @@ from study.problem import Floats, Problem
 class Rows:
     """Symbolic side of a model: variables, parameters, the sum of durations and the rows.
 
-    Rows that belong to no slot come first, then those of the slots, order by order. Where the model is proximal its last
-    parameters are the variables that the solve starts from.
+    Rows that belong to no slot come first, then those of the slots, order by order. Where the model is proximal its
+    last parameters are the variables that the solve starts from.
     """
 
     x: Any
