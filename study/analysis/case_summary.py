@@ -89,8 +89,9 @@ class CaseSummary:
     @cached_property
     def slots(self) -> dict[str, int]:
         """Colour of every method, see `study.analysis.palette`; those that figures show differ from one another."""
-        shown = [method for _, _, method in self.best.present()] + list(self.converging)
-        return method_slots((method.label for method in self.whole), [method.label for method in shown])
+        shown = [method.label for _, _, method in self.best.present()] + [method.label for method in self.converging]
+        shown += [name for rung in self.rungs for name in rung.method.split(", ")]
+        return method_slots((method.label for method in self.whole), shown)
 
     @cached_property
     def rungs(self) -> tuple[Rung, ...]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from study.bench import figures, wording
 from study.bench.run import Bench, read
 from study.files import write_file
-from study.report.rendering import render
+from study.report.rendering import render, write_scripts
 
 
 def write_page(record: Path, out: Path) -> Path:
@@ -32,6 +32,7 @@ def write_page(record: Path, out: Path) -> Path:
     """
     bench = read(record)
     page = out / "performance.html"
+    write_scripts(out)
     return write_file(page, _render(bench, (out / "index.html").is_file()))
 
 

@@ -17,7 +17,7 @@ from study.comparison.ioh import write_ioh
 from study.comparison.overview import limitations, summary
 from study.errors import StudyError
 from study.files import write_file
-from study.report.rendering import render
+from study.report.rendering import render, write_scripts
 from study.runs.selections import YARDSTICKS
 
 PAGES = {
@@ -95,8 +95,9 @@ def write_pages(comparison: Comparison, out: Path, environment: Mapping[str, str
         write_ioh(out / "ioh", [run for level in comparison.field.levels.values() for run in level], segments)
         for slug, page in built.items():
             context = {**vars(page), **shared, "current": slug, "pages": PAGES, "flags": comparison.audit.flags}
-            text = render("comparison.html.j2", context, package="study.comparison")
+            text = render("comparison.html.j2", context, package="study.comparison", root="../")
             write_file(out / f"{slug}.html", text)
+        write_scripts(out.parent)
     except OSError as error:
         raise StudyError(
             f"the comparison cannot be written to {str(out)!r}: {error.strerror}; choose another folder"

@@ -13,6 +13,7 @@ from study.analysis.methods import MethodSummary
 from study.cases.library import Case
 from study.problem import Floats
 from study.report import figures, plot_style
+from study.report.live import convergence_data
 from study.store.results import Result
 
 POINTS = 240
@@ -23,6 +24,7 @@ class ConvergencePart:
     """The figure, wide and narrow, and the legend that goes with it."""
 
     figures: dict[str, Markup]
+    data: Markup
     legend: tuple[tuple[int, str], ...]
 
 
@@ -46,7 +48,8 @@ def convergence_of(summary: CaseSummary, widths: Mapping[str, float]) -> Converg
     drawings = {
         name: figures.convergence(f"convergence-{name}", curves, reference, width) for name, width in widths.items()
     }
-    return ConvergencePart(drawings, legend)
+    shortest = figures.shortest_of(curves, reference)
+    return ConvergencePart(drawings, convergence_data(curves, shortest), legend)
 
 
 def _curve(case: Case, method: MethodSummary, style: int) -> plot_style.Convergence:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -14,7 +14,7 @@ from study.analysis import formatting
 from study.analysis.case_summary import CaseSummary
 from study.analysis.ends import end_steps
 from study.analysis.featured import IN_ORDER, ROLE_NAMES, SEARCHES, Featured
-from study.analysis.ladder import Rung, breakdown_of
+from study.analysis.ladder import CauseKind, Rung, breakdown_of
 from study.analysis.methods import Kind, MethodSummary, Standing, known_times, names_explained
 from study.analysis.sentences import answer, case_answer
 from study.analysis.tables import Record, raw, records
@@ -26,9 +26,10 @@ from study.files import write_file
 from study.io.filenames import file_stem
 from study.judge import RATES, TOLERANCE
 from study.planning import Freedom
-from study.report import figures, plot_style
+from study.report import bars, figures, plot_style
 from study.report.convergence import convergence_of
-from study.report.rendering import render
+from study.report.live import profiles_data
+from study.report.rendering import render, write_scripts
 from study.report.tables import COLUMNS, RESULTS, motion_files, write_motions, write_tables
 from study.trajectory import Motion
 
@@ -123,6 +124,7 @@ def build_report(
         write_tables(out / "tables", "all", summaries, sources)
         for name, text in pages.items():
             write_file(out / f"{name}.html", text)
+        write_scripts(out)
     except OSError as error:
         raise StudyError(
             f"the report cannot be written to {str(out)!r}: {error.strerror}; choose another folder"
@@ -178,7 +180,7 @@ def _index_page(
     known = [row for row in rows if row is not None]
     reference = "the deterministic optimum on the same curve"
     pictures = {
-        name: figures.headline(f"headline-{name}", known, reference, width) if known else None
+        name: bars.headline(f"headline-{name}", known, reference, width) if known else None
         for name, width in (("wide", 1040.0), ("narrow", 370.0))
     }
     return _render(
@@ -215,17 +217,22 @@ def headline_row(summary: CaseSummary) -> plot_style.HeadlineRow | None:
     if reference is None or not reference.duration:
         return None
     marks = []
-    for style, role, method in summary.best.present():
-        if method.duration:
+    drawn = {role: (style, method) for style, role, method in summary.best.present()}
+    for role in IN_ORDER:
+        style, method = drawn.get(role, (0, None))
+        stepping = summary.best.velocity_only and role in ("free", "fixed")
+        if method is not None and method.duration and not stepping:
             best = method.best if role in SEARCHES else None
             spread = None if best is None else best / reference.duration
-            marks.append(plot_style.Mark(style, method.duration / reference.duration, method.feasible, spread))
+            name = method.label.removeprefix("published: ")
+            marks.append(plot_style.Mark(style, method.duration / reference.duration, method.feasible, spread, name))
     return plot_style.HeadlineRow(summary.case.name + " †" * summary.best.velocity_only, tuple(marks))
 
 
 def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mapping[str, str]) -> str:
     summary, case, problem = report.summary, report.summary.case, report.summary.case.problem
     series, near = featured_series(summary)
+    roles = {method.label: ROLE_NAMES[role] for _, role, method in reversed(summary.best.present())}
     pictures = {
         "profiles": [
             figures.profile(f"profile-{joint}", problem, joint, case.units[joint], near)
@@ -233,9 +240,9 @@ def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mappin
             if near
         ],
         "segments": {
-            name: figures.segments(f"segments-{name}", series, width) for name, width in WIDTHS.items() if series
+            name: bars.segments(f"segments-{name}", series, width) for name, width in WIDTHS.items() if series
         },
-        "ladder": {name: ladder_figure(summary.rungs, width) for name, width in WIDTHS.items() if summary.rungs},
+        "ladder": {name: ladder_figure(summary, width) for name, width in WIDTHS.items() if summary.rungs},
     }
     return _render(
         "case.html.j2",
@@ -249,7 +256,7 @@ def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mappin
             "paper": paper_of(case.paper),
             "sentences": case_answer(summary.best, report.budgets),
             "names": names_explained(summary.methods),
-            "role_of": {method.label: ROLE_NAMES[role] for _, role, method in reversed(summary.best.present())},
+            "role_of": roles,
             "groups": _groups(report),
             "known": known_times(summary.methods),
             "single": [method for method in summary.methods if method.joint is not None],
@@ -260,6 +267,7 @@ def _case_page(report: CaseReport, environment: Mapping[str, str], flags: Mappin
             "near": near,
             "left_out": [each for each in series if each not in near],
             "figures": pictures,
+            "live": profiles_data(problem, case.units, near, roles) if near else "",
             "convergence": convergence_of(summary, WIDTHS),
             "tolerance": TOLERANCE,
             "flags": flags,
@@ -292,18 +300,41 @@ def _groups(report: CaseReport) -> list[tuple[str, str, list[tuple[MethodSummary
     return [(name, head, [pair for pair in whole if pair[0].standing is name]) for name, head in STANDINGS.items()]
 
 
-def ladder_figure(rungs: Sequence[Rung], width: float = WIDTHS["wide"]) -> Markup:
+def ladder_figure(summary: CaseSummary, width: float = WIDTHS["wide"]) -> Markup:
     """Draw the ladder of lost time, so many pixels wide; there must be a rung."""
-    bars = [
-        plot_style.Bar(
-            f"{rung.name}: {rung.method}",
-            formatting.seconds(rung.seconds)
-            + (f"  ({formatting.percent(rung.relative)})" if rung.relative is not None else "")
-            + ("" if rung.feasible else "  infeasible"),
-            rung.seconds,
-            HATCHES[rung.freedom],
-            rung.feasible,
-        )
-        for rung in rungs
-    ]
-    return figures.ladder(f"ladder-{width:.0f}", bars, width)
+    on_curve = [rung for rung in summary.rungs if rung.freedom is Freedom.CURVE]
+    optimum = on_curve[-1].seconds if on_curve else None
+    groups = []
+    for head, belongs in RUNGS.items():
+        rungs = sorted((rung for rung in summary.rungs if belongs(rung)), key=lambda rung: -rung.seconds)
+        if rungs:
+            groups.append((head, [_bar(rung, summary, optimum) for rung in rungs]))
+    return bars.ladder(f"ladder-{width:.0f}", groups, width)
+
+
+RUNGS: dict[str, Callable[[Rung], bool]] = {
+    "As printed": lambda rung: rung.name == "Published",
+    "On the case's curve": lambda rung: rung.freedom is Freedom.CURVE and rung.name != "Published",
+    "Along a fixed path": lambda rung: rung.freedom is Freedom.PATH,
+    "Path between the waypoints free": lambda rung: rung.freedom is Freedom.FREE and rung.kind is not CauseKind.PROOF,
+    "Proved": lambda rung: rung.kind is CauseKind.PROOF,
+}
+"""Groups of the ladder figure; in each the slowest stands first."""
+
+
+def _bar(rung: Rung, summary: CaseSummary, optimum: float | None) -> plot_style.Bar:
+    beside = (
+        "" if optimum is None or rung.seconds == optimum else f"  ({formatting.percent(rung.seconds / optimum - 1)})"
+    )
+    labels = (rung.method, f"published: {rung.method}", rung.method.partition(", ")[0])
+    return plot_style.Bar(
+        label=f"{rung.name}: {rung.method}",
+        value=formatting.seconds(rung.seconds) + beside + ("" if rung.feasible else "  infeasible"),
+        seconds=rung.seconds,
+        hatch=HATCHES[rung.freedom],
+        solid=rung.feasible,
+        slot=None
+        if rung.kind is CauseKind.PROOF
+        else next((summary.slots[label] for label in labels if label in summary.slots), None),
+        note=rung.cause,
+    )

@@ -46,7 +46,7 @@ def pictures_of(summary: CaseSummary, joint: int) -> dict[str, bytes]:
     case, best, near = summary.case, summary.best, featured_series(summary)[1]
     if not summary.rungs or not near:
         raise StudyError(f"case {case.name!r}: too few results for pictures; run `study run --cases {case.name}` first")
-    ladder = standalone(str(ladder_figure(summary.rungs)), f"The ladder of lost time, case {case.name}", [])
+    ladder = standalone(str(ladder_figure(summary)), f"The ladder of lost time, case {case.name}", [])
     names = {method.label: ROLE_NAMES[role] for _, role, method in reversed(best.present())}
     legend = [(each.style, f"{names[each.label]}: {each.label.removeprefix('published: ')}") for each in near]
     drawing = figures.profile("profile", case.problem, joint, case.units[joint], near)

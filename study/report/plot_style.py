@@ -10,9 +10,12 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup, escape
 
-from study.analysis.palette import DARK, LIGHT, SLOTS
+from study.analysis.palette import DARK, LIGHT, SLOTS, rgb
 from study.problem import Floats
 from study.trajectory import Motion
+
+SHADES = 2 * SLOTS
+"""Colours that figures have: those of the palette, and a tint of each for bars beyond them."""
 
 THEME = {
     "#010101": "ink",
@@ -20,14 +23,14 @@ THEME = {
     "#030303": "grid",
     "#040404": "band",
     "#050505": "paper",
-} | {f"#0a0a{k:02x}": f"s{k}" for k in range(1, SLOTS + 1)}
+} | {f"#0a0a{k:02x}": f"s{k}" for k in range(1, SHADES + 1)}
 """Placeholder colours that a figure draws with, and the custom property of the style sheet that takes their place."""
 
 PLACEHOLDER = {name: colour for colour, name in THEME.items()}
 
 INK, MUTED, GRID, BAND, PAPER = (PLACEHOLDER[name] for name in ("ink", "muted", "grid", "band", "paper"))
-SERIES = tuple(PLACEHOLDER[f"s{k}"] for k in range(1, SLOTS + 1))
-STROKES = (
+SERIES = tuple(PLACEHOLDER[f"s{k}"] for k in range(1, SHADES + 1))
+STROKES = 2 * (
     "",
     "8 3",
     "8 3 2 3",
@@ -44,7 +47,7 @@ STROKES = (
 """Dashes of a method's line by its slot, in pixels; a line without dashes is whole."""
 
 DASHES: tuple[Any, ...] = tuple((0, tuple(float(n) / 1.6 for n in each.split())) if each else "-" for each in STROKES)
-MARKERS = ("o", "s", "^", "D", "X", "v", "P", "<", ">", "*", "h", "d")
+MARKERS = 2 * ("o", "s", "^", "D", "X", "v", "P", "<", ">", "*", "h", "d")
 RC: Any = {
     "svg.hashsalt": "time-optimal-study",
     "svg.fonttype": "none",
@@ -64,6 +67,10 @@ RC: Any = {
     ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color", "axes.titlecolor"), INK
 )
 SAMPLES = 220
+QUANTITIES = ("position", "velocity", "acceleration", "jerk")
+RATE_UNITS = ("", "/s", "/s²", "/s³")
+OUT_OF_SIGHT = 0.3
+"""Share of a limit; if every method uses less, the plot shows the motion and not the limit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,12 +96,13 @@ class Convergence:
 
 @dataclass(frozen=True)
 class Mark:
-    """One method in the headline figure: its time over the reference's, and whether the judge accepts it."""
+    """One method in the headline figure: its name, its time over the reference's, and whether the judge accepts it."""
 
     role: int
     ratio: float
     feasible: bool
     best_ratio: float | None = None
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -114,25 +122,18 @@ class Bar:
     seconds: float
     hatch: str
     solid: bool
+    slot: int | None = None
+    note: str = ""
 
 
 def color_properties(dark: bool) -> str:
     """Custom properties of the style sheet for the colours of the methods."""
-    return " ".join(f"--s{k}: {color};" for k, color in enumerate(DARK if dark else LIGHT, start=1))
+    colors = (rgb(slot, DARK if dark else LIGHT) for slot in range(SHADES))
+    return " ".join(f"--s{k}: #{bytes(color).hex()};" for k, color in enumerate(colors, start=1))
 
-
-LANES = (0.0, 0.26, -0.16, 0.26, 0.42, 0.13, -0.16)
-"""Height of every role above its case's line, so that level methods do not hide one another."""
 
 LABEL_ROOM = 74
 """Width of a label beside its mark, pixels."""
-
-
-def crowded(row: HeadlineRow, mark: Mark, limits: tuple[float, float], width: float) -> bool:
-    """Tell if another mark stands in the place of a label to the right of this mark."""
-    ratios = [other.ratio for other in row.marks if LANES[other.role] == LANES[mark.role] and other is not mark]
-    scale = width / np.log(limits[1] / limits[0])
-    return any(0 < np.log(ratio / mark.ratio) * scale < LABEL_ROOM for ratio in ratios)
 
 
 def headline_range(rows: Sequence[HeadlineRow], width: float) -> tuple[float, float]:
@@ -157,6 +158,17 @@ def spaced_ticks(limits: tuple[float, float], width: float) -> list[float]:
     return sorted(shown)
 
 
+def rate_top(limit: float, peaks: Sequence[float]) -> float:
+    """Top of an axis for one rate of one joint: room for the limit where it is in sight, none for a peak that dwarfs the others."""
+    highest = max(peaks)
+    if not np.isfinite(limit):
+        moving = [peak for peak in peaks if peak > 0]
+        highest = min(max(moving), 4 * min(moving)) if moving else 1.0
+    elif highest >= OUT_OF_SIGHT * limit:
+        highest = max(limit, min(highest, 1.5 * limit))
+    return 1.12 * highest or 1.0
+
+
 def sample_times(motion: Motion) -> Floats:
     """Times to draw at; both sides of every knot, where a profile may step, as long as there are few."""
     even = np.linspace(0.0, motion.duration, SAMPLES)
@@ -164,7 +176,24 @@ def sample_times(motion: Motion) -> Floats:
     return np.sort(np.concatenate([even, inner, inner * (1 - 1e-9)]))
 
 
-def themed(raw: str, key: str, title: str, description: str) -> Markup:
+class Notes:
+    """What the marks of a figure say under the pointer, and the slots of their methods, which a legend switches."""
+
+    def __init__(self) -> None:
+        self._marks: list[str] = []
+
+    def add(self, text: str = "", slot: int | None = None) -> str:
+        """Take a mark's note; the id that the mark is to be drawn with."""
+        shown = f' data-tip="{escape(text)}"' if text else ""
+        self._marks.append("<g" + (f' class="k{slot}"' if slot is not None else "") + shown + ">")
+        return f"mark-{len(self._marks) - 1}"
+
+    def put(self, body: str) -> str:
+        """Put the notes to the marks of a figure."""
+        return re.sub(r'<g id="mark-(\d+)">', lambda match: self._marks[int(match[1])], body)
+
+
+def themed(raw: str, key: str, title: str, description: str, notes: Notes | None = None) -> Markup:
     """Turn a stand-alone SVG file into an inline figure.
 
     Parameters
@@ -175,6 +204,7 @@ def themed(raw: str, key: str, title: str, description: str) -> Markup:
         Letters and digits; put before every id, so that figures on one page do not share any.
     title, description : str
         What a screen reader says; escaped here.
+    notes : Notes, optional
     """
     body = raw[raw.index("<svg") :]
     body = re.sub(r"<metadata>.*?</metadata>\s*", "", body, flags=re.DOTALL)
@@ -189,10 +219,25 @@ def themed(raw: str, key: str, title: str, description: str) -> Markup:
         f'<title id="{key}-title">{escape(title)}</title><desc id="{key}-desc">{escape(description)}</desc>'
     )
     inside = _own_ids(body[body.index(">") + 1 :], key)
+    inside = re.sub(r' (?:d|x|y|transform|points)="[^"]*"', lambda match: NUMBER.sub(_short, match[0]), inside)
+    inside = inside if notes is None else notes.put(inside)
     return Markup(opening + inside.strip())  # noqa: S704 - title and description are escaped above, the rest is plotted
+
+
+NUMBER = re.compile(r"-?\d+\.\d{3,}")
+
+
+def _short(number: re.Match[str]) -> str:
+    """A coordinate to a hundredth of a pixel."""
+    text = f"{float(number[0]):.2f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
 
 
 def _own_ids(body: str, key: str) -> str:
     used = set(re.findall(r'(?:url\(#|href="#)([^)"]+)', body))
-    body = re.sub(r' id="([^"]+)"', lambda match: f' id="{key}-{match[1]}"' if match[1] in used else "", body)
+    body = re.sub(
+        r' id="([^"]+)"',
+        lambda match: f' id="{key}-{match[1]}"' if match[1] in used else match[0] * match[1].startswith("mark-"),
+        body,
+    )
     return re.sub(r'(url\(#|href="#)', rf"\g<1>{key}-", body)

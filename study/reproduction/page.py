@@ -16,7 +16,7 @@ from study.cases.published import papers, tables
 from study.files import write_file
 from study.report import figures as report_figures
 from study.report.plot_style import Series
-from study.report.rendering import render
+from study.report.rendering import render, write_scripts
 from study.reproduction import figures
 from study.reproduction.benchmark_table import BenchmarkTable
 from study.reproduction.book import PAPERS, Entry
@@ -121,6 +121,7 @@ def write_index(effort: Effort, out: Path, environment: Mapping[str, str]) -> Pa
     linked = (out.parent / "index.html").is_file()
     context = {"papers": shown, "effort": effort, "linked": linked, "environment": environment}
     write_file(out / "index.html", _render("index_reproduction.html.j2", context))
+    write_scripts(out.parent)
     return out / "index.html"
 
 
@@ -198,7 +199,7 @@ def _profiles(key: str, drive: Drive) -> Drawn:
 
 def _render(template: str, context: Mapping[str, object]) -> str:
     rules = {"rules": RULES, "bases": BASES, "convergence": CONVERGENCE, "tags": TAGS}
-    return render(template, {**rules, **context}, package="study.reproduction", filters={"powers": powers})
+    return render(template, {**rules, **context}, package="study.reproduction", filters={"powers": powers}, root="../")
 
 
 def powers(text: str) -> Markup:
