@@ -75,6 +75,11 @@ class CaseSummary:
         return not (method.feasible and self.driving.get(method.label, "").startswith(DRIVEN[False]))
 
     @cached_property
+    def winner(self) -> MethodSummary | None:
+        """Fastest method whose motion may be driven; None where there is none."""
+        return next((method for method in self.whole if method.feasible and self.clear(method)), None)
+
+    @cached_property
     def converging(self) -> tuple[MethodSummary, ...]:
         """Searches whose convergence is worth showing: the paper's own method and the best others, all with a history."""
         searches = [

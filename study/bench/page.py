@@ -33,12 +33,11 @@ def write_page(record: Path, out: Path) -> Path:
     bench = read(record)
     page = out / "performance.html"
     write_scripts(out)
-    return write_file(page, _render(bench, (out / "index.html").is_file()))
+    return write_file(page, _render(bench))
 
 
-def _render(bench: Bench, linked: bool) -> str:
+def _render(bench: Bench) -> str:
     context = {
-        "linked": linked,
         "answer": wording.summary(bench),
         "reading": wording.READING,
         "head": wording.HEAD,

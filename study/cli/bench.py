@@ -12,7 +12,7 @@ from study.bench import wording
 from study.bench.parts import PARTS, measured
 from study.bench.run import measure, write
 from study.cli.screen import fitted, make_console
-from study.cli.shared import DEFAULT_OUT
+from study.cli.shared import DEFAULT_OUT, audit_flags, write_pages
 
 
 def bench(
@@ -40,7 +40,9 @@ def bench(
     from study.bench.page import write_page  # here: matplotlib is slow to import
 
     console.print(f"measurements: {out}")
-    console.print(f"page: {write_page(out, out.parent / 'report')}")
+    page = write_page(out, out.parent / "report")
+    write_pages(out.parent, audit_flags(out.parent))
+    console.print(f"page: {page}")
 
 
 def _print_part(name: str, seed: int, console: Console) -> None:

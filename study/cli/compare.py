@@ -11,7 +11,6 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from study.analysis.case_summary import summarise
 from study.api import COMPARED
 from study.cases.library import Case, case_names, load_case, own_case
 from study.cases.obstacles import may_be_driven, nearest
@@ -29,15 +28,14 @@ from study.cli.shared import (
     Out,
     Workers,
     audit_flags,
-    last_run,
     names_in,
     run_missing,
     show,
+    write_pages,
 )
 from study.errors import StudyError
 from study.files import write_file
 from study.io.filenames import file_stem
-from study.io.text import read_text
 from study.registry import unavailable_planners
 from study.runs.environment import environment
 from study.runs.execute import cell_jobs, stored_results
@@ -124,7 +122,7 @@ def compare(
 def _compare_papers(cases: list[str] | None, out: Path, full: bool, seeds: int | None, workers: Workers) -> None:
     chosen = {case.name: case for case in map(load_case, names_in(cases) or case_names(default_only=True))}
     _build_pages(chosen, out / STORE_NAME, full, seeds, workers)
-    _link_comparison(out)
+    write_pages(out, audit_flags(out))
 
 
 def _build_pages(cases: Mapping[str, Case], path: Path, full: bool, seeds: int | None, workers: Workers) -> None:
@@ -146,24 +144,12 @@ def _build_pages(cases: Mapping[str, Case], path: Path, full: bool, seeds: int |
 
         findings = compare(cases, effort, store, run)
     with console.status("writing the pages"):
-        from study.comparison.pages import write_pages  # here: matplotlib is slow to import
+        from study.comparison.pages import write_pages as write_comparison  # here: matplotlib is slow to import
 
-        page = write_pages(findings, path.parent / "report" / "comparison", environment())
+        page = write_comparison(findings, path.parent / "report" / "comparison", environment())
     for sentence in summary(findings):
         console.print(sentence)
     console.print(f"comparison: {page}")
-
-
-def _link_comparison(out: Path) -> None:
-    """Write the report again where there is one, so that its index leads to the comparison."""
-    index = out / "report" / "index.html"
-    if not index.is_file() or "comparison/index.html" in read_text(index):
-        return
-    from study.report.page import build_report  # here: matplotlib is slow to import
-
-    cases, sources, results = last_run(out)
-    if results:
-        build_report(summarise(cases, results), out / "report", environment(), audit_flags(out), sources)
 
 
 def _compared(planners: Sequence[str] | None) -> tuple[Any, ...]:

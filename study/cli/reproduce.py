@@ -13,7 +13,19 @@ import typer
 from rich.console import Console
 
 from study.cli.screen import make_console
-from study.cli.shared import DEFAULT_OUT, STORE_NAME, Dask, Fresh, Jobs, Memory, Out, Workers, run_missing
+from study.cli.shared import (
+    DEFAULT_OUT,
+    STORE_NAME,
+    Dask,
+    Fresh,
+    Jobs,
+    Memory,
+    Out,
+    Workers,
+    audit_flags,
+    run_missing,
+    write_pages,
+)
 from study.datafiles import data_folder
 from study.errors import StudyError
 from study.files import as_written, csv_text, read_file, write_file
@@ -62,6 +74,7 @@ def reproduce(
         for paper, printed in entries.items():
             write_paper(paper, printed, runs, effort, pages, facts)
         index = write_index(effort, pages, facts)
+        write_pages(out, audit_flags(out))
     console.print(f"pages: {index}", f"{time.perf_counter() - begun:.0f} s", sep="\n")
     return entries
 

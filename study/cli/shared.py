@@ -226,23 +226,39 @@ def write(
     """Write report and recordings, searches that are flagged marked; where the report's first page and the recordings are."""
     _keep_to_oneself()
     from study.recording import forget_pages, interactive_pages, record_case
-    from study.report.page import build_report, slugs, write_viewers  # here: matplotlib and rerun are slow to import
+    from study.report.page import slugs, write_viewers  # here: matplotlib and rerun are slow to import
 
     for summary in summaries:
         if summary.ran:  # a run that was stopped may not have come to every case
             record_case(summary, recording_file(out, summary.case.name))
-    forget_pages(out / "report")
+    forget_pages(out / "report", slugs(summary.case for summary in summaries))
     if interactive:
         shown = slugs(summary.case for summary in summaries if summary.ran)
         files = {slug: recording_file(out, case.name) for slug, case in shown.items()}
         write_viewers(interactive_pages(files, out / "report"), shown, out / "report")
-    sources = remembered_lineup(out / STORE_NAME)[1] if (out / STORE_NAME).is_file() else {}
-    index = build_report(summaries, out / "report", environment(), flagged, sources)
-    return index, out / "recordings"
+    return write_pages(out, flagged, summaries), out / "recordings"
+
+
+def write_pages(out: Path, flagged: Mapping[str, str], summaries: Sequence[CaseSummary] = ()) -> Path:
+    """Write the pages of some cases and an index of all that the folder holds, other runs and commands included.
+
+    Returns
+    -------
+    Path
+        The index.
+    """
+    from study.report.page import build_report  # here: matplotlib is slow to import
+
+    cases, sources, results = last_run(out) if (out / STORE_NAME).is_file() else ({}, {}, [])
+    shown = {summary.case.name: summary for summary in summaries}
+    ran = {result.cell.case for result in results}
+    others = summarise({name: case for name, case in cases.items() if name in ran and name not in shown}, results)
+    there = [summary for summary in others if (out / "report" / f"{file_stem(summary.case.name)}.html").is_file()]
+    return build_report([*there, *summaries], out / "report", environment(), flagged, sources, only=shown)
 
 
 def last_run(out: Path) -> tuple[dict[str, Case], dict[str, str], list[Result]]:
-    """Cases of the last run, where each was loaded from, and the results that are stored of it."""
+    """Cases of the folder, where each was loaded from, and the stored results of the last run of each."""
     cells, sources = remembered_lineup(out / STORE_NAME)
     cases = {name: load_case(source) for name, source in sources.items()}
     with Store(out / STORE_NAME, write=False) as store:

@@ -59,7 +59,7 @@ def write_pages(comparison: Comparison, out: Path, environment: Mapping[str, str
     ----------
     comparison : Comparison
     out : Path
-        Folder, made if need be; a report's index in its parent is linked.
+        Folder, made if need be; the report's index, in its parent, is linked.
     environment : mapping of str to str
         Versions and machine, printed as they are.
 
@@ -84,7 +84,6 @@ def write_pages(comparison: Comparison, out: Path, environment: Mapping[str, str
     shared = {
         "limits": limitations(comparison),
         "files": list(tables),
-        "linked": (out.parent / "index.html").is_file(),
         "environment": environment,
     }
     segments = {name: case.problem.n_segments for name, case in comparison.cases.items()}

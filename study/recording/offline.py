@@ -13,7 +13,7 @@ import subprocess
 import time as clock
 import urllib.error
 import urllib.request
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib.metadata import version
 from pathlib import Path
 
@@ -58,10 +58,11 @@ def interactive_pages(recordings: Mapping[str, Path], out: Path) -> dict[str, tu
     return {name: (program, machine, f"{FOLDER}/{name}.rrd.js") for name in recordings}
 
 
-def forget_pages(out: Path) -> None:
+def forget_pages(out: Path, stems: Iterable[str]) -> None:
     """Remove pages with recordings in them, so that none shows results that have been replaced."""
-    for path in [*out.glob(f"*{ENDING}"), *(out / FOLDER).glob("*.rrd.js")]:
-        path.unlink(missing_ok=True)
+    for stem in stems:
+        (out / f"{stem}{ENDING}").unlink(missing_ok=True)
+        (out / FOLDER / f"{stem}.rrd.js").unlink(missing_ok=True)
 
 
 def _packed(name: str, content: bytes) -> str:

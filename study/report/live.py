@@ -25,12 +25,13 @@ DIGITS = 5
 
 @dataclass(frozen=True)
 class Line:
-    """A method of a figure: its name, what is said beside it, its slot (None: grey), and whether it is hidden at first."""
+    """A method of a figure: name, slot (None: grey), what is said beside it, whether it is hidden at first, where it ends."""
 
     name: str
     slot: int | None
     note: str = ""
     hidden: bool = False
+    end: float | None = None
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,9 @@ class Look:
 Panel = Mapping[str, Any]
 
 
-def profiles_data(problem: Problem, units: Sequence[str], series: Sequence[Series], notes: Mapping[str, str]) -> Markup:
+def profiles_data(
+    problem: Problem, units: Sequence[str], series: Sequence[Series], notes: Mapping[str, str], hidden: bool = False
+) -> Markup:
     """Position, velocity, acceleration and jerk of every joint.
 
     Parameters
@@ -86,6 +89,8 @@ def profiles_data(problem: Problem, units: Sequence[str], series: Sequence[Serie
     series : sequence of Series
     notes : mapping of str to str
         What is said beside a method, by its label.
+    hidden : bool
+        Whether all methods but the first are switched off at first.
     """
     ends = [each.motion.duration for each in series]
     times = np.union1d(np.linspace(0.0, max(ends), POINTS), ends)
@@ -98,7 +103,14 @@ def profiles_data(problem: Problem, units: Sequence[str], series: Sequence[Serie
         panels = [_panel(problem, joint, units[joint], order, values[order], series) for order in range(4)]
         views.append({"name": name, "panels": panels})
     lines = [
-        Line(each.label, each.style, f"{each.motion.duration:.4f} s {notes.get(each.label, '')}") for each in series
+        Line(
+            each.label,
+            each.style,
+            f"{each.motion.duration:.4f} s {notes.get(each.label, '')}",
+            hidden and k > 0,
+            each.motion.duration,
+        )
+        for k, each in enumerate(series)
     ]
     idle = "Largest values; point at a figure for those of one instant."
     return _written(Look("profiles", "s", idle, 230, 2, "Joint", across="time, s"), lines, views, times)
@@ -113,7 +125,7 @@ def _panel(
 ) -> Panel:
     limits = problem.limits
     rows = [row[:, joint] for row in values]
-    panel = {
+    panel: dict[str, Any] = {
         "title": f"{QUANTITIES[order]}, {unit}{RATE_UNITS[order]}",
         "short": QUANTITIES[order],
         "y": [*map(_numbers, rows)],
@@ -137,7 +149,11 @@ def convergence_data(curves: Sequence[Convergence], shortest: float) -> Markup:
     for curve in curves:
         shares = [np.maximum(line / shortest - 1.0, 1e-6) for line in (curve.median, curve.lower, curve.upper)]
         rows.append([_numbers(curve.evaluations), *map(_numbers, shares)])
-    panel = {"title": "time above the shortest known, median and quartiles", "short": "above", "y": rows}
+    panel: dict[str, Any] = {
+        "title": "time above the shortest known, median and quartiles",
+        "short": "above",
+        "y": rows,
+    }
     look = Look(
         "convergence",
         "evaluations",
@@ -155,7 +171,7 @@ def steps_data(
     look: Look, lines: Sequence[Line], title: str, short: str, rows: Iterable[Sequence[Iterable[float]]]
 ) -> Markup:
     """One panel of steps: for every line its places on the axis and its values there, with a band two rows more."""
-    panel = {"title": title, "short": short, "y": [[_numbers(part) for part in row] for row in rows]}
+    panel: dict[str, Any] = {"title": title, "short": short, "y": [[_numbers(part) for part in row] for row in rows]}
     return _written(look, lines, [{"name": "", "panels": [panel]}])
 
 
@@ -173,6 +189,7 @@ def _written(look: Look, lines: Sequence[Line], views: Sequence[Mapping[str, Any
             "dash": "" if line.slot is None else STROKES[line.slot],
             "thin": line.slot is None,
             "off": line.hidden,
+            "end": line.end,
         }
         for line in lines
     ]

@@ -16,7 +16,7 @@ from study.analysis.featured import ROLE_NAMES
 from study.errors import StudyError
 from study.files import write_file
 from study.report import figures
-from study.report.page import featured_series, ladder_figure
+from study.report.case_page import featured_series, ladder_figure
 from study.report.plot_style import STROKES, color_properties
 
 COLORS = 256

@@ -98,7 +98,6 @@ def write_paper(
         "notes": _reading_notes(paper),
         "ledger": ledger(paper),
         "effort": effort,
-        "linked": (out.parent / "index.html").is_file(),
         "environment": environment,
     }
     write_file(out / f"{paper}.html", _render("paper.html.j2", context))
@@ -118,8 +117,7 @@ def write_index(effort: Effort, out: Path, environment: Mapping[str, str]) -> Pa
         {"slug": paper, "title": title_of(paper), "counts": counts, "sentences": sentences(counts)}
         for paper, counts in gather(out).items()
     ]
-    linked = (out.parent / "index.html").is_file()
-    context = {"papers": shown, "effort": effort, "linked": linked, "environment": environment}
+    context = {"papers": shown, "effort": effort, "environment": environment}
     write_file(out / "index.html", _render("index_reproduction.html.j2", context))
     write_scripts(out.parent)
     return out / "index.html"

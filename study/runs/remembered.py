@@ -1,10 +1,11 @@
-"""The line-up of the last run, noted in the results file so that `study report` shows the same cells."""
+"""The line-up of every case of a results file: that of the last run of the case, which `study report` shows."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 from study.errors import StudyError
 from study.store.codec import settings_from, settings_text
@@ -12,10 +13,11 @@ from study.store.results import Cell
 from study.store.store import Store
 
 LINEUP = "line-up"
+NOTHING: dict[str, Any] = {"cells": [], "sources": {}}
 
 
 def remember_lineup(store: Store, cells: Sequence[Cell], sources: Mapping[str, str]) -> None:
-    """Note the cells of a run.
+    """Note the cells of a run; cases that it leaves out keep the cells of their own last run.
 
     Parameters
     ----------
@@ -26,11 +28,13 @@ def remember_lineup(store: Store, cells: Sequence[Cell], sources: Mapping[str, s
     """
     groups = groupby(cells, lambda cell: [cell.case, cell.planner, cell.label, settings_text(cell.settings)])
     runs = [[*shared, [cell.settings.seed for cell in members]] for shared, members in groups]
-    store.note(LINEUP, {"cells": runs, "sources": dict(sources)})
+    before = store.noted(LINEUP) or NOTHING
+    kept = [run for run in before["cells"] if run[0] not in sources]
+    store.note(LINEUP, {"cells": [*kept, *runs], "sources": {**before["sources"], **sources}})
 
 
 def remembered_lineup(path: Path) -> tuple[list[Cell], dict[str, str]]:
-    """Cells of the last run into a file, and the names or paths that its cases were loaded from.
+    """Cells of the last run of every case, and the names or paths that the cases were loaded from.
 
     Raises
     ------
@@ -38,7 +42,7 @@ def remembered_lineup(path: Path) -> tuple[list[Cell], dict[str, str]]:
         If there is no results file, or its line-up cannot be read.
     """
     with Store(path, write=False) as store:
-        noted = store.noted(LINEUP) or {"cells": [], "sources": {}}
+        noted = store.noted(LINEUP) or NOTHING
     try:
         cells = [
             Cell(str(case), str(planner), str(label), settings_from(settings, int(seed)))

@@ -20,7 +20,8 @@ from study.analysis.case_summary import summarise
 from study.cases.library import load_case
 from study.comparison.build import compare
 from study.comparison.pages import write_pages
-from study.report.page import STANDINGS, build_report
+from study.report.case_page import STANDINGS
+from study.report.page import build_report
 from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
 from study.runs.runner import run_jobs

@@ -13,7 +13,6 @@ import pytest
 from study.analysis.case_summary import CaseSummary, summarise_case
 from study.cases.library import load_case
 from study.report.page import build_report
-from study.report.plot_style import HeadlineRow, Mark, crowded
 from study.report.tables import RATE, motion_files
 from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
@@ -98,12 +97,3 @@ def test_a_judged_total_is_featured_before_a_shorter_one_that_cannot_be_judged(
     index = (folder / "index.html").read_text(encoding="utf-8")
     assert "2.4166 s" in index or "2.4167 s" in index
     assert "2.0718 s" not in index
-
-
-def test_labels_in_the_headline_make_way_for_marks() -> None:
-    near, far, other = Mark(2, 1.3, True), Mark(6, 1.8, True), Mark(3, 1.4, True)
-    row = HeadlineRow("case", (near, far, other))
-    assert crowded(row, near, (0.25, 4.0), 370.0)
-    assert not crowded(row, near, (0.25, 4.0), 1040.0)  # there is room
-    assert not crowded(row, far, (0.25, 4.0), 370.0)  # nothing stands to its right
-    assert not crowded(row, other, (0.25, 4.0), 370.0)  # another height

@@ -21,8 +21,9 @@ from study.curves import CURVES
 from study.judge import judge
 from study.planning import Freedom, Status
 from study.problem import JointLimits, Problem
+from study.report.bars import headline
 from study.report.convergence import _on_grid, convergence_of
-from study.report.figures import convergence, headline, profile
+from study.report.figures import convergence, profile
 from study.report.plot_style import THEME, Convergence, HeadlineRow, Mark, Series, spaced_ticks, themed
 from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells

@@ -160,6 +160,7 @@ class Figure {
         switches(button, (on) => {
           this.off[on ? "delete" : "add"](k);
           for (const plot of this.plots) for (const at of plot.of[k]) plot.setSeries(at, { show: on });
+          this.fit();
           this.read(null);
         });
         if (this.off.has(k)) button.setAttribute("aria-pressed", "false");
@@ -184,7 +185,14 @@ class Figure {
     const columns = this.box.clientWidth > 700 ? this.spec.columns : 1;
     const width = Math.floor((this.box.clientWidth - 18 * (columns - 1)) / columns);
     this.plots = this.spec.views[this.view].panels.map((panel) => this.plot(panel, width, key));
+    this.fit();
     this.read(null);
+  }
+
+  // What runs to the right ends where the last motion shown ends.
+  fit() {
+    const ends = this.spec.series.flatMap((one, k) => one.end && !this.off.has(k) ? [one.end] : []);
+    if (ends.length) for (const plot of this.plots) plot.setScale("x", { min: 0, max: Math.max(...ends) });
   }
 
   plot(panel, width, sync) {
