@@ -18,8 +18,9 @@ OWNERS = {
     ),  # in the bench as a peer, by its own defaults
     "ruckig": ("baselines/state_to_state/moves.py", "study/bench/arm_peers.py", "study/bench/planner_parts.py"),
     "rerun": ("study/recording/",),
-    "matplotlib": tuple(
-        f"study/{part}/figures.py" for part in ("report", "reproduction", "comparison", "bench", "notebook")
+    "matplotlib": (
+        "study/report/bars.py",
+        *(f"study/{part}/figures.py" for part in ("report", "reproduction", "comparison", "bench", "notebook")),
     ),
     "numba": ("study/curves/compiled/kernels.py", "baselines/free_path/compiled"),
     "pickle": ("study/runs/pool.py",),  # between the run's own processes only

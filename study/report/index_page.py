@@ -62,6 +62,7 @@ def index_page(shown: Sequence[CaseReport], environment: Mapping[str, str], out:
             "legend": {style: ROLE_NAMES[role] for each in reports for style, role, _ in each.summary.best.present()},
             "steps": [steps for each in reports if (steps := end_steps(each.summary))],
             "published": _published_count(reports),
+            "ran": any(report.summary.ran for report in own),
             "own": [(report, own_row(report)) for report in own],
             "beside": {path: said for path, said in BESIDE.items() if (out / path).is_file()},
             "flags": flags,

@@ -24,7 +24,7 @@ FORMS = {
     ".npz": "samples and polynomials for NumPy",
     ".exact.json": "the exact polynomial pieces",
 }
-"""What the files of a motion are, by the end of their names."""
+"""Kinds of files of a motion, by the end of their names."""
 
 COMPANY = 6
 """Other methods whose motions can be switched on in the profiles."""

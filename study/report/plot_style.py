@@ -177,7 +177,7 @@ def sample_times(motion: Motion) -> Floats:
 
 
 class Notes:
-    """What the marks of a figure say under the pointer, and the slots of their methods, which a legend switches."""
+    """Texts that the marks of a figure show under the pointer, and the slots of their methods, which a legend switches."""
 
     def __init__(self) -> None:
         self._marks: list[str] = []

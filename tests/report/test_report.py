@@ -277,7 +277,7 @@ def test_an_own_case_is_not_said_to_have_a_paper(
     case = replace(material[0]["woodworking"], paper="own", published=(), notes=(), title="Mine")
     build_report([summarise_case(case, material[1])], tmp_path, {})
     text = (tmp_path / "woodworking.html").read_text(encoding="utf-8")
-    assert "Best of all searches and seeds" in text
+    assert "The best metaheuristic that ran" in text
     for words in ("paper's curve", "Curve of the paper", "The paper", "the paper's own", "Reproduced"):
         assert words not in text, words
 
