@@ -92,6 +92,7 @@ def test_a_run_with_report_and_recording_stays_on_this_machine(guarded, tmp_path
     assert not [line for line in lines if not line.startswith("guarded")]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("strace") is None, reason="strace is not installed")
 def test_no_native_code_reaches_the_network_either(tmp_path):
     log = tmp_path / "trace"

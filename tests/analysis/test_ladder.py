@@ -70,7 +70,12 @@ JERK = ("casadi-nlp", "certified", "topp3-nlp", "ruckig-via", "free-path-nlp", "
 
 
 @pytest.mark.parametrize(
-    "name", ["woodworking-jerk-matched", "puma560-jerk-matched", "aubo-i5-datasheet", "ur5-bspline"]
+    "name",
+    [
+        "woodworking-jerk-matched",
+        "ur5-bspline",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("puma560-jerk-matched", "aubo-i5-datasheet")),
+    ],
 )
 def test_nothing_feasible_lies_below_a_lower_bound(name: str) -> None:
     """The judge forgives 1e-6 of a limit, which is worth up to as much of the time."""

@@ -53,5 +53,6 @@ def test_a_planner_whose_package_is_missing_is_named_with_the_package():
 
 
 def test_threads_that_plan_at_once_find_what_they_find_one_after_the_other():
-    assert len(printed(f"SERIAL = False{TOGETHER}")) == 12
-    assert printed(f"SERIAL = False{TOGETHER}") == printed(f"SERIAL = True{TOGETHER}")
+    together = printed(f"SERIAL = False{TOGETHER}")
+    assert len(together) == 12
+    assert together == printed(f"SERIAL = True{TOGETHER}")

@@ -58,6 +58,7 @@ def whole(tmp_path_factory):
     return path, compared(path)
 
 
+@pytest.mark.slow
 def test_interrupted_and_resumed_gives_the_same_numbers(whole, tmp_path):
     path = tmp_path / "results.sqlite"
 

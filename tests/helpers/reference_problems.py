@@ -1,6 +1,7 @@
 """Problems that the tests of the references share."""
 
 import numpy as np
+import pytest
 
 from study import EndCondition, JointLimits, Problem
 
@@ -26,6 +27,19 @@ EACH_LIMIT = {
     "mixed": ([1.0, 0.5, 2.0], [2.0, INF, INF], [9.0, INF, 4.0]),
 }
 """Velocity, acceleration and jerk limits of three joints in which each limit binds in turn."""
+
+
+LIMITS_AND_ENDS = [
+    pytest.param(
+        limits,
+        end,
+        id=f"{name}-{end.name}",
+        marks=[] if end is EndCondition.REST or name == "all" else pytest.mark.slow,
+    )
+    for name, limits in EACH_LIMIT.items()
+    for end in EndCondition
+]
+"""Each of these between every pair of ends; by default each at rest, and all limits at once between every pair."""
 
 
 def small(limits, end=EndCondition.REST, seed=0, n_waypoints=4):

@@ -68,11 +68,8 @@ def test_entry_points_lead_to_planners(name):
     assert plan.durations.shape == (3,)
 
 
-FAST = ("golds-pso", "pso")
-
-
 @pytest.mark.parametrize(
-    "name", [name if name in FAST else pytest.param(name, marks=pytest.mark.slow) for name in EXCESS]
+    "name", ["pso", *(pytest.param(name, marks=pytest.mark.slow) for name in EXCESS if name != "pso")]
 )
 def test_paper_scale_runs_end_near_the_optimum_of_every_joint_and_never_below(name):
     settings = [RunSettings("poly353", seed=seed, evaluations=15_000) for seed in range(5)]

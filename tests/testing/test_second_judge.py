@@ -58,11 +58,11 @@ def test_a_bump_between_knots_is_seen():
 
 
 def test_two_judges_agree_on_random_and_adversarial_motions():
-    agreement = compare_judges(800, seed=20)
+    agreement = compare_judges(300, seed=20)
     assert agreement.different == ()
-    assert agreement.total("feasible") > 100
-    assert agreement.total("infeasible") > 300
-    assert agreement.total("undecided") < 40
+    assert agreement.total("feasible") > 40
+    assert agreement.total("infeasible") > 120
+    assert agreement.total("undecided") < 15
 
 
 def test_an_attack_is_the_same_motion_again():
@@ -121,7 +121,7 @@ def parametric(seed):
 
 def test_two_judges_agree_on_curves_in_a_parameter_too():
     outcomes = []
-    for seed in range(130):
+    for seed in range(60):
         try:
             problem, motion = parametric(seed)
         except StudyError:  # such a demand contradicts the limits
@@ -133,6 +133,6 @@ def test_two_judges_agree_on_curves_in_a_parameter_too():
             seed,
             verdict.reasons,
         )
-    assert sum(second is Answer.FEASIBLE for _, second in outcomes) > 20
-    assert sum(second is Answer.INFEASIBLE for _, second in outcomes) > 20
+    assert sum(second is Answer.FEASIBLE for _, second in outcomes) > 5
+    assert sum(second is Answer.INFEASIBLE for _, second in outcomes) > 5
     assert sum(second is Answer.UNDECIDED for _, second in outcomes) < 5

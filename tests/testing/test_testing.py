@@ -18,8 +18,8 @@ from study.registry import method_named, method_names, planner_named, planner_na
 from study.search.random_search import RandomSearch
 from study.testing import NonconformingError, check_bound, check_planner, check_search, example_problems, random_problem
 
-SLOW = {"bspline-nlp", "ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp"}
-"""Planners too slow for the fast tests."""
+SLOW = {"any-motion-bound", "bspline-nlp", "certified", "ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp"}
+"""Planners and bounds too slow for the fast tests."""
 QUICK = RunSettings("poly353", seed=3, evaluations=60, population=10, formulation="scaled")
 
 

@@ -173,7 +173,7 @@ def test_the_five_segment_cubic_spline_is_enclosed_to_a_thousandth() -> None:
 
 
 @pytest.mark.parametrize("rates", [(1.0, 2.0, 8.0), (1.0, np.inf, np.inf), (1.0, 0.3, np.inf), (1.0, 1e3, 1.0)])
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_no_cubic_spline_beats_its_bound(seed: int, rates: tuple[float, float, float]) -> None:
     problem = replace(random_problem(seed, 4 + seed, 2, rates), duration_bounds=(0.05, 10.0))
     best = optimise(problem, "cubic-spline").durations

@@ -23,7 +23,7 @@ from study.deadline import Deadline
 from study.planning import Freedom, RunSettings
 from study.supervisor import supervised
 from tests.helpers.closed_forms import shortest_time
-from tests.helpers.reference_problems import EACH_LIMIT, INF, small, woodworking
+from tests.helpers.reference_problems import EACH_LIMIT, INF, LIMITS_AND_ENDS, small, woodworking
 
 
 def point(value):
@@ -123,8 +123,7 @@ def test_dynamic_programming_against_all_chains():
     assert through[2] == pytest.approx(every.min(axis=(0, 1, 3)))
 
 
-@pytest.mark.parametrize("end", list(EndCondition))
-@pytest.mark.parametrize("limits", EACH_LIMIT.values(), ids=EACH_LIMIT)
+@pytest.mark.parametrize(("limits", "end"), LIMITS_AND_ENDS)
 def test_no_motion_is_faster(limits, end):
     problem = small(limits, end, seed=5)
     lower = bound(problem, n_cells=60).value

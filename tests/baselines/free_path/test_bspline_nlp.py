@@ -58,7 +58,7 @@ def test_a_derivative_stays_in_the_hull_of_its_control_points(order):
     assert hull.min() - rounding <= peaks.lowest[0] < peaks.highest[0] <= hull.max() + rounding
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 def test_above_the_lower_bound_and_close_to_ruckig(seed):
     problem = small(JERK, seed=seed, n_waypoints=5)
     motion, verdict = solved(problem, most=24)
@@ -127,5 +127,6 @@ def test_what_it_does_not_apply_to():
     assert "nothing to move" in BSplineNlp().plan(still, SETTINGS).message
 
 
+@pytest.mark.slow
 def test_it_keeps_the_contract_of_planners():
     check_planner(BSplineNlp(most=9))

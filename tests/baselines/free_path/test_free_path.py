@@ -15,7 +15,7 @@ from baselines.state_to_state.stops import ruckig_stops
 from baselines.state_to_state.via import ruckig_via
 from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.planning import RunSettings, Status
-from tests.helpers.reference_problems import EACH_LIMIT, INF, small, woodworking
+from tests.helpers.reference_problems import EACH_LIMIT, INF, LIMITS_AND_ENDS, small, woodworking
 
 SETTINGS = RunSettings("cubic-spline", time_limit=60.0)
 
@@ -44,8 +44,7 @@ def test_seven_phases_are_approached_from_above(limits):
     assert exact * (1 - 1e-6) <= duration <= exact * 1.02
 
 
-@pytest.mark.parametrize("end", list(EndCondition))
-@pytest.mark.parametrize("limits", EACH_LIMIT.values(), ids=EACH_LIMIT)
+@pytest.mark.parametrize(("limits", "end"), LIMITS_AND_ENDS)
 def test_each_limit_in_turn(limits, end):
     problem = small(limits, end)
     found = free_path(problem, 4)
@@ -154,7 +153,7 @@ def test_loosening_a_limit_never_lengthens(planner, order):
     assert fastest(planner, looser) <= before * (1 + 1e-6)
 
 
-@pytest.mark.parametrize("waypoint", [1, 2, 3])
+@pytest.mark.parametrize("waypoint", [1, *(pytest.param(k, marks=pytest.mark.slow) for k in (2, 3))])
 @pytest.mark.parametrize("limits", ["acceleration binds", "all"])
 def test_without_a_waypoint_the_best_of_all_motions_is_no_longer(limits, waypoint):
     """The motion through all waypoints passes those that are left; 1e-3 is for what 16 pieces are above the best."""

@@ -43,6 +43,7 @@ def test_the_motion_is_feasible_and_stays_on_the_path(end):
     assert curvature_free_path(plan.motion, case) < 1e-3
 
 
+@pytest.mark.slow
 def test_more_pieces_never_lengthen_and_toppra_is_faster_than_any_jerk_limit():
     """A looser jerk limit gains to within a per cent only: the solver is local."""
     tight = topp3().motion.duration

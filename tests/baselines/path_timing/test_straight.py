@@ -96,7 +96,7 @@ def test_a_free_start_begins_at_speed():
     assert motion.duration == pytest.approx(1.0, rel=1e-6)
 
 
-@pytest.mark.parametrize("number", range(24))
+@pytest.mark.parametrize("number", [*range(8), *(pytest.param(k, marks=pytest.mark.slow) for k in range(8, 24))])
 def test_random_problems_with_a_rule_for_the_path(number):
     rng = np.random.default_rng([9, number])
     problem = random_problem(rng)
@@ -115,7 +115,7 @@ def test_a_line_without_any_limit_is_a_reason():
 
 
 @pytest.mark.parametrize("radius", [0.0, 0.003, 0.05, 0.2])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 def test_it_is_never_slower_than_a_stop_at_every_corner(seed, radius):
     points = np.random.default_rng(seed).uniform(-0.5, 0.5, (8, 2))
     limits = JointLimits([1.5] * 2, [5.0] * 2, [50.0] * 2)

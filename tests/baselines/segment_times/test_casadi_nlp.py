@@ -57,7 +57,7 @@ def test_each_limit_binds_in_turn(curve: str, binding: str) -> None:
     assert np.delete(ratios, expected).max() < 0.99
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("curve", CURVES)
 def test_no_local_search_on_the_stretched_total_improves_it(curve: str, seed: int) -> None:
     """An optimiser of another kind, on another form of the problem, with another code for the peaks."""

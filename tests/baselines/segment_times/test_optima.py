@@ -46,7 +46,13 @@ def test_nlp_and_certificate_agree_on_every_joint_of_every_353_case(name: str, j
     agree(load_case(name).problem.joint(joint))
 
 
-@pytest.mark.parametrize("name", ["woodworking", "puma560", "aubo-i5", "ur5-bspline", "ur5-helix", "ur5-helix-smooth"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("woodworking", "ur5-helix-smooth"),
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("puma560", "aubo-i5", "ur5-bspline", "ur5-helix")),
+    ],
+)
 def test_started_from_any_stored_search_the_nlp_never_ends_slower(name: str, tmp_path, threads) -> None:
     case = load_case(name)
     specs = [Spec(search) for search in SEARCHES] + [Spec(search, "scaled", "shared") for search in SEARCHES]
@@ -65,12 +71,12 @@ def test_started_from_any_stored_search_the_nlp_never_ends_slower(name: str, tmp
 @pytest.mark.parametrize("curve", ["poly353", "cubic-spline", "cubic-spline-smooth", "bspline"])
 def test_loosening_a_limit_never_lengthens_on_the_curve(curve: str, order: int) -> None:
     problem = random_problem(11, *shape(curve))
+    before = optimise(problem, curve).durations.sum()
     for joint in (0, slice(None)):
         rates = problem.limits.rates.copy()
         rates[order, joint] *= 1.3
         looser = replace(problem, limits=JointLimits(*rates))
-        before, after = (optimise(one, curve).durations.sum() for one in (problem, looser))
-        assert after <= before * (1 + 1e-8)
+        assert optimise(looser, curve).durations.sum() <= before * (1 + 1e-8)
 
 
 @pytest.mark.parametrize("order", range(3))

@@ -14,7 +14,7 @@ from study import EndCondition, JointLimits, Problem, judge
 from study.cases.library import load_case
 from study.planning import RunSettings, Status
 from tests.helpers.closed_forms import largest_displacement, shortest_time
-from tests.helpers.reference_problems import EACH_LIMIT, INF, small, woodworking
+from tests.helpers.reference_problems import EACH_LIMIT, INF, LIMITS_AND_ENDS, small, woodworking
 
 SETTINGS = RunSettings("cubic-spline", time_limit=60.0)
 
@@ -66,8 +66,7 @@ def test_what_is_free_follows_the_end_condition_and_the_limits():
     assert not free[EndCondition.SMOOTH][:, [0, -1]].any()
 
 
-@pytest.mark.parametrize("end", list(EndCondition))
-@pytest.mark.parametrize("limits", EACH_LIMIT.values(), ids=EACH_LIMIT)
+@pytest.mark.parametrize(("limits", "end"), LIMITS_AND_ENDS)
 def test_each_limit_in_turn(limits, end):
     problem = small(limits, end)
     motion = ruckig_via(problem, rounds=30, pieces=4).motion
@@ -143,7 +142,10 @@ def quiet_duration():
     return RuckigVia().plan(with_noise(0.0), SETTINGS).motion.duration
 
 
-@pytest.mark.parametrize("size", [1e-14, 1e-12, 1e-9, 1e-6, 1e-4])
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize("size", [1e-14, 1e-4, *(pytest.param(size, marks=SLOW) for size in (1e-12, 1e-9, 1e-6))])
 def test_a_joint_that_hardly_moves_does_not_spoil_the_motion_of_the_others(size):
     noisy = with_noise(size)
     motion = RuckigVia().plan(noisy, SETTINGS).motion
