@@ -22,6 +22,7 @@ from study.path_findings import largest_deviation
 from study.planning import RATE_LIMITS, Status
 from study.problem import Demand, EndCondition, Problem
 from study.runs.selections import DIRECT
+from study.slowing import SLOWED, slowed_said
 from study.store.results import Result
 from study.trajectory import Motion
 
@@ -74,7 +75,8 @@ class Planned:
                 f"the fastest of {count} feasible motions" if count > 1 else "the only feasible motion that was found"
             )
         about = next((about for name, about, _ in self.tried if name == self.planner), "")
-        return f"{lead}: {about}{self._stopping}"
+        slowed = slowed_said(self.problem, self.result.details.get(SLOWED))
+        return f"{lead}: {about}{slowed and '; '}{slowed}{self._stopping}"
 
     @property
     def _stopping(self) -> str:

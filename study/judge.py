@@ -80,8 +80,8 @@ class Verdict:
 
     @property
     def worst_ratio(self) -> float:
-        """Largest share of any rate limit in use."""
-        return float(self.ratios.max())
+        """Largest share of any limit in use, of rates or of the arm."""
+        return float(max(self.ratios.max(), self.arm_shares[1].max()))
 
     @property
     def least_scale(self) -> float:

@@ -24,6 +24,10 @@ SAMPLES, TRIES = 4000, 12
 ROOM, SLOWEST = 2e-5, 1e4
 
 
+SLOWED = "slowed"
+"""Name of the factor among a plan's details."""
+
+
 def told(planner: Planner, problem: Problem) -> Problem:
     """Problem as a planner hears it: without limits of the arm, where it does not know all of them."""
     return problem if problem.arm is None or problem.arm.demands <= planner.knows else replace(problem, arm=None)
@@ -47,14 +51,20 @@ def within_arm(problem: Problem, plan: Plan) -> Plan:
     factor = slow_down(problem.arm, plan.motion)
     if factor == 1:
         return plan
-    said = f"the whole motion is slowed down by {factor:.4g} to keep {listed(sorted(problem.arm.demands))}"
     return replace(
         plan,
         motion=plan.motion.scaled(factor),
         durations=None if plan.durations is None else plan.durations * factor,
-        message="; ".join(filter(None, (plan.message, said))),
-        details={**plan.details, "slowed": factor},
+        message="; ".join(filter(None, (plan.message, slowed_said(problem, factor)))),
+        details={**plan.details, SLOWED: factor},
     )
+
+
+def slowed_said(problem: Problem, factor: float | None) -> str:
+    """Say that a motion was slowed down, and for which limits; empty where it was not."""
+    if problem.arm is None or factor is None:
+        return ""
+    return f"the whole motion is slowed down by {factor:.4g} to keep {listed(sorted(problem.arm.demands))}"
 
 
 def slow_down(arm: ArmLimits, motion: Motion) -> float:

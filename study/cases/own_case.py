@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from study.cases.case import Case
+from study.cases.own_arm import arm_of
 from study.cases.own_demands import demands_of, segments_between, tightest
 from study.cases.own_file import OwnCase, OwnDirections, OwnRates
 from study.cases.own_waypoints import (
@@ -83,11 +84,13 @@ def own_case(content: Mapping[str, Any], path: Path) -> Case:
     _check_range(table, bounds, words, where)
     kept, demands = tidied_demands(file, table, demands_of(file, factors, len(table), where), where)
     demands["segment_limits"] = moved_segments(_segment_limits(file, factors, words, len(table), where), kept)
+    robot = _robot(file.robot, path, names)
+    demands["arm"] = arm_of(file, robot, names, where)
     problem = _problem(file, path, kept.waypoints, bounds, demands, words)
     warnings += [*notes, *kept.notes, *unlimited_joints(problem, read), *stepping_ends(file, problem)]
     problem = problem if file.speed is None else problem.at_speed(file.speed)
     sources = {"waypoints": str(file.waypoints) if rows else path.name, "limits": ", ".join(limit_files) or path.name}
-    return _case(file, path, problem, tuple(SI[unit][0] for unit in units), sources, tuple(warnings))
+    return _case(file, path, robot, problem, tuple(SI[unit][0] for unit in units), sources, tuple(warnings))
 
 
 def _check_range(table: Floats, bounds: JointLimits, words: Words, where: str) -> None:
@@ -127,12 +130,12 @@ def _problem(
 def _case(
     file: OwnCase,
     path: Path,
+    robot: str | None,
     problem: Problem,
     units: tuple[str, ...],
     sources: Mapping[str, str],
     warnings: tuple[str, ...],
 ) -> Case:
-    robot = _robot(file.robot, path, problem)
     if (file.obstacles or file.self_collision) and robot is None:
         raise StudyError(f"file {path.name!r}: obstacles need a robot to know where the arm is; name one under 'robot'")
     curve = curve_named(file.curve or usual_curve(problem)).name
@@ -258,15 +261,15 @@ def _laid_over(given: Any, name: str, read: Sequence[OneJoint], factors: Floats,
     return np.array([own * k if own is not None else nothing if old is None else old for own, old, k in chosen])
 
 
-def _robot(name: str | None, path: Path, problem: Problem) -> str | None:
+def _robot(name: str | None, path: Path, joints: Sequence[str]) -> str | None:
     """One of the study's arms, or the path of a file beside the case's; the arm must have the problem's joints."""
     if name is None:
         return None
     robot = str((path.parent / name).resolve()) if Path(name).suffix else name
-    arm = robot_named(robot, tuple(problem.joint_names))
-    if arm.n_joints != problem.n_joints:
+    arm = robot_named(robot, tuple(joints))
+    if arm.n_joints != len(joints):
         raise StudyError(
-            f"file {path.name!r}: robot {arm.name!r} has {arm.n_joints} moving joints, the waypoints have {problem.n_joints}; "
+            f"file {path.name!r}: robot {arm.name!r} has {arm.n_joints} moving joints, the waypoints have {len(joints)}; "
             "name the moving ones under 'joints', as the robot's file does"
         )
     return robot

@@ -26,11 +26,13 @@ def forms(**names: str) -> Discriminator:
     Parameters
     ----------
     names : str
-        Tag of each form: `one` of a number or text, `many` of a list, `fields` of a mapping.
+        Tag of each form: `one` of a number or text, `many` of a list, `fields` of a mapping, `text` of text where it has
+        a form of its own.
     """
 
     def tag(value: Any) -> str | None:
         kind = "many" if isinstance(value, list) else "one" if not isinstance(value, dict | Strict) else "fields"
+        kind = "text" if isinstance(value, str) and "text" in names else kind
         return names.get(kind, names["one"])
 
     return Discriminator(tag)

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, Tag
 
+from study.cases.own_arm import FrictionOrName, PayloadOrMass, Place, ToolOrName, Torque
 from study.cases.own_demands import (
     DurationOrNumber,
     PathOrName,
@@ -93,6 +94,11 @@ class OwnLimits(OwnRates):
         alias="from",
         description="MoveIt joint_limits.yaml or URDF, one or several; later ones win, and numbers in this file win over all.",
     )
+    torque: Torque | None = Field(
+        None, description="N m, or N where a joint slides; or `effort`, what the robot's file states; needs masses."
+    )
+    tool_speed: Positive | None = Field(None, description="Of the tool, m/s whatever the units; needs a robot.")
+    tool_acceleration: Positive | None = Field(None, description="Of the tool, m/s²; needs a robot.")
 
 
 class Obstacle(Strict):
@@ -164,7 +170,21 @@ class OwnCase(Strict):
         True, description="Whether joints that turn without end take the short way round from waypoint to waypoint."
     )
     robot: str | None = Field(
-        None, description="For 3D: a URDF file, a file with a DH table, or one of the study's arms."
+        None,
+        description="For 3D, torques and the tool: a URDF file, a file with a DH table, or one of the study's arms.",
+    )
+    tool: ToolOrName | None = Field(
+        None, description="Whose speed is limited: a link of the URDF, or `frame` and `at`; the last frame by default."
+    )
+    payload: PayloadOrMass | None = Field(
+        None, description="Carried by the tool, kg; or `mass` and `at`, a place in m."
+    )
+    gravity: Place | None = Field(
+        None, description="Free fall in the robot's base frame, m/s²; down along z by default."
+    )
+    friction: FrictionOrName | None = Field(
+        None,
+        description="`viscous` and `coulomb` of the joints, or `model` for what the robot's file states; none by default.",
     )
     obstacles: list[Obstacle] = Field(default_factory=list)
     arm_radius: Annotated[float, Field(ge=0)] = Field(0.05, description="Of the capsules that stand for the links, m.")

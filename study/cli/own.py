@@ -28,6 +28,7 @@ from study.io.sampling import Sampling
 from study.judge import judge
 from study.planning import Formulation, RunSettings, Status, Synchronisation
 from study.runs.lineup import parse_specs
+from study.slowing import SLOWED, slowed_said
 from study.store.results import Result
 from study.trajectory import Motion
 
@@ -138,7 +139,8 @@ def _plan_case(
 
 def _tried(planned: Planned) -> Iterator[str]:
     for name, about, result in planned.tried:
-        yield f"tried {name} ({about}): {_outcome(result)}"
+        slowed = slowed_said(planned.problem, result.details.get(SLOWED))
+        yield f"tried {name} ({about}): {_outcome(result)}{slowed and '; '}{slowed}"
 
 
 def _outcome(result: Result) -> str:

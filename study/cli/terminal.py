@@ -22,6 +22,7 @@ from rich.progress import (
 from rich.table import Table
 from rich.text import Text
 
+from study.analysis.arm_uses import arm_uses
 from study.analysis.case_summary import CaseSummary
 from study.analysis.ends import end_steps
 from study.analysis.featured import IN_ORDER, ROLE_NAMES
@@ -209,6 +210,8 @@ def card(case: Case, verdict: Verdict, good: bool, clearance: Nearest | None, fa
     grid.add_row(Text(case.name), Text.assemble(f"{verdict.duration:.9g} s, ", drive))
     if np.isfinite(case.problem.limits.rates).any():
         grid.add_row("binding", Text(_binding(case.problem, verdict)))
+    for name, text in arm_uses(case.problem, verdict).items():
+        grid.add_row(name, Text(text))
     if clearance is not None and clearance.clear:
         grid.add_row("clearance", Text(clearance.sentence))
     for name, text in facts.items():
@@ -217,6 +220,10 @@ def card(case: Case, verdict: Verdict, good: bool, clearance: Nearest | None, fa
 
 
 def _binding(problem: Problem, verdict: Verdict) -> str:
+    if problem.arm is not None and verdict.worst_ratio > verdict.ratios.max():
+        place = int(verdict.arm_shares[1].argmax())
+        name, time = problem.arm.names(problem.joint_names)[place], verdict.arm_times[place]
+        return f"{name} at {times_text([time], verdict.duration)} s, {100 * verdict.worst_ratio:.4f} % of its limit"
     order, j = divmod(int(np.nanargmax(verdict.ratios)), problem.n_joints)
     return (
         f"{RATES[order]} of {problem.joint_names[j]} at {times_text([verdict.times[order, j]], verdict.duration)} s, "

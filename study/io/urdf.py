@@ -178,21 +178,19 @@ def _joint(element: ET.Element, where: str, notes: list[str]) -> UrdfJoint:
     if links[0] is None or links[1] is None:
         raise StudyError(f"{here}: it needs a parent link and a child link")
     values = _limits(element, kind, here, notes)
-    origin = element.find("origin")
-    offset, angles = _triple(origin, "xyz", (0, 0, 0), here), _triple(origin, "rpy", (0, 0, 0), here)
     axis = _triple(element.find("axis"), "xyz", (1, 0, 0), here)
     if kind in MOVING and not np.linalg.norm(axis):
         raise StudyError(f"{here}: its axis has no length")
     axis = axis / (np.linalg.norm(axis) or 1.0)
     return UrdfJoint(
-        name, kind, links[0], links[1], _transform(offset, angles), axis, **values, mimic=_mimic(element, here)
+        name, kind, links[0], links[1], place_of(element, here), axis, **values, mimic=_mimic(element, here)
     )
 
 
 def _limits(element: ET.Element, kind: str, where: str, notes: list[str]) -> dict[str, float | None]:
     """Velocity, lower and upper end; what cannot be meant is no limit, with a note."""
     limit, safety = element.find("limit"), element.find("safety_controller")
-    values = {key: _number(limit, key, where) for key in ("velocity", "lower", "upper")}
+    values = {key: number_of(limit, key, where) for key in ("velocity", "lower", "upper")}
     if kind not in MOVING:
         notes += [f"{where} is {kind}, with several degrees of freedom, and stands still"] if kind in SEVERAL else []
         return values
@@ -206,7 +204,7 @@ def _limits(element: ET.Element, kind: str, where: str, notes: list[str]) -> dic
     if limit is not None and (limit.get("lower") is None) != (limit.get("upper") is None):
         values |= {key: values[key] or 0.0 for key in ("lower", "upper")}  # URDF: what is left out is 0
     for key, soft, choose in (("lower", "soft_lower_limit", max), ("upper", "soft_upper_limit", min)):
-        end = _number(safety, soft, where)
+        end = number_of(safety, soft, where)
         stated = values[key]
         if end is not None and stated is not None and choose(end, stated) != stated:
             notes.append(f"{where}: {key} end of its range is the safety controller's, {end:g}, not {stated:g}")
@@ -225,17 +223,17 @@ def _mimic(element: ET.Element, where: str) -> Mimic | None:
     mimic = element.find("mimic")
     if mimic is None:
         return None
-    multiplier, offset = _number(mimic, "multiplier", where), _number(mimic, "offset", where)
+    multiplier, offset = number_of(mimic, "multiplier", where), number_of(mimic, "offset", where)
     return Mimic(mimic.get("joint", ""), 1.0 if multiplier is None else multiplier, offset or 0.0)
 
 
 def _mesh(link: str, visual: ET.Element, mesh: ET.Element, where: str) -> UrdfMesh:
-    here, origin = f"{where}, link {link!r}", visual.find("origin")
-    place = _transform(_triple(origin, "xyz", (0, 0, 0), here), _triple(origin, "rpy", (0, 0, 0), here))
-    return UrdfMesh(link, mesh.get("filename", ""), place, _triple(mesh, "scale", (1, 1, 1), here))
+    here = f"{where}, link {link!r}"
+    return UrdfMesh(link, mesh.get("filename", ""), place_of(visual, here), _triple(mesh, "scale", (1, 1, 1), here))
 
 
-def _number(element: ET.Element | None, key: str, where: str) -> float | None:
+def number_of(element: ET.Element | None, key: str, where: str) -> float | None:
+    """Read an attribute that is a number; None where it is missing, or infinite and a limit."""
     text = None if element is None else element.get(key)
     if text is None:
         return None
@@ -243,7 +241,7 @@ def _number(element: ET.Element | None, key: str, where: str) -> float | None:
         value = float(text)
     except ValueError:
         value = np.nan
-    if np.isinf(value) and key in ("velocity", "lower", "upper"):
+    if np.isinf(value) and key in ("velocity", "lower", "upper", "effort"):
         return None  # no limit, as some exporters write it
     if not np.isfinite(value):
         raise StudyError(f"{where}: {key!r} must be a finite number, got {text!r}")
@@ -261,7 +259,10 @@ def _triple(element: ET.Element | None, key: str, usual: tuple[float, float, flo
     return values
 
 
-def _transform(offset: Floats, angles: Floats) -> Floats:
+def place_of(element: ET.Element, where: str) -> Floats:
+    """Transform that an element's `origin` states, shape (4, 4), m."""
+    origin = element.find("origin")
+    offset, angles = _triple(origin, "xyz", (0, 0, 0), where), _triple(origin, "rpy", (0, 0, 0), where)
     x, y, z = (turn(np.eye(3)[k], np.array([angle]))[0] for k, angle in enumerate(angles))
     result = z @ y @ x
     result[:3, 3] = offset

@@ -7,6 +7,7 @@ from html import escape
 
 import numpy as np
 
+from study.analysis.arm_uses import arm_uses
 from study.judge import RATES, Verdict
 from study.notebook.figures import drawing
 from study.problem import Problem
@@ -39,6 +40,7 @@ def card_of_plan(problem: Problem, result: Result, why: str, warnings: Sequence[
         *_warned([*verdict.reasons, *warnings]),
         picture,
         _joints(problem, verdict),
+        *(f"{escape(name)}: {escape(text)}<br/>" for name, text in arm_uses(problem, verdict).items()),
     )
 
 

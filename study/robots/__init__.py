@@ -53,14 +53,14 @@ def robot_named(name: str, joints: tuple[str, ...] = ()) -> Robot:
 
 
 def robot_file(name: str) -> RobotFile:
-    """Content of the file of an arm that the data holds.
+    """Content of the file of an arm that the data holds, or of one like those.
 
     Raises
     ------
     StudyError
         If there is no such arm, or its file is broken.
     """
-    return _read(_path(name))
+    return _read(Path(name) if Path(name).suffix else _path(name))
 
 
 def inverse(robot: Robot, poses: ArrayLike, branch: tuple[int, int, int] | None = None) -> Floats:

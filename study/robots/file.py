@@ -65,6 +65,33 @@ class Limits(Strict):
     position: Positions | None = None
 
 
+class Link(Strict):
+    """One body, SI units, in the frame of its link; the rotor, friction and torque are as felt at the joint."""
+
+    mass: Annotated[float, Field(ge=0)] = 0.0
+    centre: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    inertia: Annotated[list[float], Field(min_length=3, max_length=6)] = Field(
+        default=[0.0, 0.0, 0.0], description="About the centre: xx, yy, zz, and xy, xz, yz where they are not zero."
+    )
+    rotor: Annotated[float, Field(ge=0)] = 0.0
+    viscous: Annotated[float, Field(ge=0)] = 0.0
+    coulomb: Annotated[float, Field(ge=0)] = 0.0
+    torque: Annotated[float, Field(gt=0)] | None = None
+
+    @property
+    def tensor(self) -> list[list[float]]:
+        """Inertia about the centre, 3 x 3."""
+        xx, yy, zz, xy, xz, yz = [*self.inertia, 0.0, 0.0, 0.0][:6]
+        return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+
+
+class Dynamics(Strict):
+    """Masses of an arm, one body for each joint, and where they come from."""
+
+    source: str
+    links: list[Link]
+
+
 class RobotFile(Strict):
     """An arm; with `limits` and `home` it takes part in the suite of robots."""
 
@@ -76,6 +103,7 @@ class RobotFile(Strict):
     joints: list[Joint] = Field(min_length=1)
     limits: Limits | None = None
     home: list[float] | None = None
+    dynamics: Dynamics | None = None
 
     @model_validator(mode="after")
     def _as_many_as_joints(self) -> Self:
@@ -85,6 +113,7 @@ class RobotFile(Strict):
         if (self.limits is None) != (self.home is None):
             raise ValueError("give both 'limits' and 'home', or neither")
         rows |= {} if self.home is None else {"home": self.home}
+        rows |= {} if self.dynamics is None else {"dynamics.links": [link.mass for link in self.dynamics.links]}
         for name, row in rows.items():
             if len(row) != len(self.joints):
                 raise ValueError(f"{name!r} must have one number for each of {len(self.joints)} joints, got {len(row)}")

@@ -144,7 +144,9 @@ def test_a_file_of_another_version_is_refused_in_one_sentence(tmp_path):
 
 EVERYTHING = {
     "version": 1, "units": "rad", "waypoints": [[0, 0], [1, 1], [2, 2.5]], "tolerance": [0.1, [0.1, 0.2], 0], "path": {"tube": 0.1},
-    "limits": {"velocity": 1.0, "acceleration": [2, 3], "jerk": {"lower": -5.0, "upper": [5, 6]}, "position": {"lower": -5, "upper": [5, 5]}},
+    "limits": {"velocity": 1.0, "acceleration": [2, 3], "jerk": {"lower": -5.0, "upper": [5, 6]}, "position": {"lower": -5, "upper": [5, 5]},
+               "torque": [9, 8], "tool_speed": 1.5, "tool_acceleration": 3},
+    "tool": {"at": [0, 0, 1.5]}, "payload": {"mass": 2, "at": [0, 0, 0.5]}, "gravity": [0, 0, -9.81], "friction": {"viscous": 1.5, "coulomb": [1, 2]},
     "segments": [{"from": 1, "to": 2, "velocity": {"lower": -1, "upper": 1}}], "start": {"velocity": [0, 1]}, "finish": "rest",
     "stops": [2], "dwells": {2: 0.5}, "duration": {"exactly": 3}, "cycle": 0.1, "speed": 0.5, "arm_radius": 0.1,
     "obstacles": [{"lower": [0, 0, 0], "upper": [1, 1, 1]}], "duration_bounds": {"lower": 0.1, "upper": 5},
