@@ -78,6 +78,8 @@ TABLE = {
     "torque": (walk(arm=ArmLimits(TWO_LINKS, [40.0, 9.5])), walk(), (ANY, STOPS, LINES, "casadi-nlp")),
     "tool speed": (walk(arm=ArmLimits(TWO_LINKS, tool_speed=0.25)), walk(), (ANY, STOPS, LINES, "casadi-nlp")),
     "tool acceleration": (walk(arm=ArmLimits(TWO_LINKS, tool_acceleration=1.0)), walk(), (ANY, STOPS, LINES)),
+    "torque and tool without a limit of jerk": (
+        walk(replace(LIMITS, jerk=None), arm=ArmLimits(TWO_LINKS, [40.0, 9.5], 0.6)), walk(), ("toppra", ANY, STOPS)),
     "duration": (walk(timing=Timing(exactly=4.0)), walk(), (ANY, STOPS, LINES, "casadi-nlp", "free-path-nlp")),
     "least duration": (walk(timing=Timing(at_least=4.0)), walk(), (ANY, STOPS, LINES, "casadi-nlp")),
     "cycles": (walk(timing=Timing(cycle=0.05)), walk(), (ANY, STOPS, LINES, "casadi-nlp")),

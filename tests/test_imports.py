@@ -13,6 +13,7 @@ OWNERS = {
     "casadi": ("baselines/ipopt.py",),
     "toppra": (
         "baselines/path_timing/toppra.py",
+        "baselines/path_timing/arm_limits.py",
         "study/bench/references.py",
         "study/bench/arm_peers.py",
     ),  # in the bench as a peer, by its own defaults

@@ -17,7 +17,7 @@ import copp_py as copp
 import numpy as np
 
 from baselines.base import Deterministic, where_something_moves
-from baselines.path_timing.toppra import Path, PathRule, centripetal_path, chord_path, grid
+from baselines.path_timing.path import Path, PathRule, centripetal_path, chord_path, grid
 from study import polynomial
 from study.deadline import Deadline, record_cut
 from study.judge import judge

@@ -7,7 +7,7 @@ that of the path's second derivative is. Limits are held at points of every piec
 the last solution peaked; what is still above them after the last round is removed by stretching the motion by its exact
 factor.
 
-The path is the clamped one of `toppra` (`baselines.path_timing.toppra.chord_path`).
+The path is the clamped one of `toppra` (`baselines.path_timing.path.chord_path`).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 
 from baselines.base import Deterministic, where_something_moves
 from baselines.ipopt import Ipopt, Solution, alone, ca
-from baselines.path_timing.toppra import Path, chord_path
+from baselines.path_timing.path import Path, chord_path
 from study import polynomial
 from study.deadline import Deadline
 from study.judge import judge

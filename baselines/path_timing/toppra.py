@@ -15,21 +15,21 @@ Transactions on Robotics 34(3), 2018.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from toppra import algorithm, constraint
 
 from baselines.base import Deterministic, where_something_moves
-from study import polynomial
-from study.curves import cubic_spline
+from baselines.path_timing.arm_limits import ArmConstraint, SpeedLaw, held
+from baselines.path_timing.path import Path, PathRule, centripetal_path, chord_path, compose, grid
 from study.deadline import Deadline, record_cut
+from study.demands import ARM
 from study.judge import judge
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Demand, Floats, JointLimits, Problem
+from study.slowing import slow_down
 from study.tolerances import TOLERANCE
 from study.trajectory import Trajectory
 
@@ -38,75 +38,6 @@ GRID, LEAST_STEPS = 4000, 2
 
 UNLIMITED = 1e9
 """Substitute for an infinite limit, in units of the joint's own scale: TOPP-RA needs finite numbers."""
-
-
-PathRule = Callable[[Floats, JointLimits], "Path"]
-"""A way to lay a path through distinct neighbouring waypoints."""
-
-
-@dataclass(frozen=True, eq=False)
-class Path:
-    """A cubic spline q(s) through waypoints.
-
-    Attributes
-    ----------
-    knots : array of shape (n_segments + 1,)
-        Path parameter at the waypoints, from 0.
-    cubics : array of shape (n_segments, 4, n_joints)
-        Ascending powers of the parameter since the segment's start.
-    clamped : bool
-        Whether q' is zero at both ends, so that the joints rest there at any path speed.
-    """
-
-    knots: Floats
-    cubics: Floats
-    clamped: bool = True
-
-    def at(self, s: Floats) -> Floats:
-        """Cubics rewritten about given parameters, shape (n, 4, n_joints)."""
-        segment = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.cubics) - 1)
-        ascending = np.moveaxis(self.cubics[segment], 1, 2)
-        return np.moveaxis(polynomial.shifted(ascending, (s - self.knots[segment])[:, None]), 2, 1)
-
-
-def chord_path(waypoints: Floats, limits: JointLimits) -> Path:
-    """Lay the clamped cubic spline through distinct neighbouring waypoints.
-
-    Parameters
-    ----------
-    waypoints : array of shape (n_waypoints, n_joints), rad or m
-    limits : JointLimits
-        Joints are measured by their velocity limits, or by the next limit that is finite.
-    """
-    chords = chord_lengths(waypoints, limits)
-    cubics = np.moveaxis(cubic_spline.unit_coefficients(waypoints, chords[None])[0], 1, 2)
-    return Path(np.concatenate([[0.0], np.cumsum(chords)]), cubics / chords[:, None, None] ** np.arange(4)[:, None])
-
-
-def centripetal_path(waypoints: Floats, limits: JointLimits) -> Path:
-    """Lay the natural cubic spline, its parameter by the roots of the chords, through distinct neighbouring waypoints.
-
-    Parameters
-    ----------
-    waypoints : array of shape (n_waypoints, n_joints), rad or m
-    limits : JointLimits
-        As for `chord_path`.
-    """
-    knots = np.concatenate([[0.0], np.cumsum(np.sqrt(chord_lengths(waypoints, limits)))])
-    spline = CubicSpline(knots, waypoints, bc_type="natural")
-    return Path(knots, np.moveaxis(spline.c[::-1], 0, 1), clamped=False)
-
-
-def chord_lengths(waypoints: Floats, limits: JointLimits) -> Floats:
-    """Distances between neighbours, every joint in units of its first finite limit, shape (n_segments,)."""
-    unit = np.array([next((rate for rate in joint if np.isfinite(rate)), 1.0) for joint in limits.rates.T])
-    return np.linalg.norm(np.diff(waypoints, axis=0) / unit, axis=1)
-
-
-def grid(path: Path, per_segment: int) -> Floats:
-    """Grid of the path parameter with every knot on it, shape (n_segments * per_segment + 1,)."""
-    inner = [np.linspace(a, b, per_segment, endpoint=False) for a, b in zip(path.knots, path.knots[1:], strict=False)]
-    return np.append(np.concatenate(inner), path.knots[-1])
 
 
 class _PathForToppra:
@@ -123,14 +54,19 @@ class _PathForToppra:
         return taylor if np.ndim(s) else taylor[0]
 
 
-def path_speeds(path: Path, limits: JointLimits, points: Floats) -> Floats | None:
-    """Largest path speed at every gridpoint, shape (n_gridpoints,); None where TOPP-RA finds none."""
+def path_speeds(
+    path: Path, limits: JointLimits, points: Floats, further: tuple[constraint.Constraint, ...] = ()
+) -> Floats | None:
+    """Largest path speed at every gridpoint, shape (n_gridpoints,); None where TOPP-RA finds none.
+
+    Further constraints are held along a path that is not clamped.
+    """
     both = np.stack([limits.lowest_rates, limits.highest_rates], axis=2)
     both = np.where(np.isfinite(both), both, np.sign(both) * UNLIMITED)
     acceleration = np.abs(both[1]).min(axis=1)
     wanted = [constraint.JointVelocityConstraint(both[0]), constraint.JointAccelerationConstraint(both[1])]
     if not path.clamped:
-        return speeds_from_rest(path, wanted, points)
+        return speeds_from_rest(path, [*wanted, *further], points)
     first, last = end_speeds(path, acceleration, points)
     solver = algorithm.TOPPRA(
         wanted, _PathForToppra(path, points[[1, -2]]), gridpoints=points[1:-1], solver_wrapper="seidel"
@@ -165,32 +101,23 @@ def end_speeds(path: Path, acceleration: Floats, points: Floats) -> tuple[float,
     return float(np.sqrt(squares[:2].min())), float(np.sqrt(squares[2:].min()))
 
 
-def compose(path: Path, points: Floats, speeds: Floats) -> tuple[Floats, Floats]:
-    """Drive a path with constant path acceleration between gridpoints.
-
-    Returns
-    -------
-    durations : array of shape (n_gridpoints - 1,), s
-    coefficients : array of shape (n_gridpoints - 1, 7, n_joints)
-        The cubic of the path in the quadratic s(t): exact, degree 6.
-    """
-    steps = np.diff(points)
-    durations = 2 * steps / (speeds[:-1] + speeds[1:])
-    s = np.stack([np.zeros_like(steps), speeds[:-1], np.diff(speeds) / durations / 2], axis=1)[:, None, :]
-    driven = polynomial.composed(np.moveaxis(path.at(points[:-1]), 1, 2), s)
-    return durations, np.moveaxis(driven, 1, 2)
-
-
 def driven(problem: Problem, per_segment: int, lay: PathRule) -> Trajectory | None:
     """Drive a path with the limits held at gridpoints only; None where TOPP-RA finds no speeds."""
     fresh = np.append(True, (np.diff(problem.waypoints, axis=0) != 0).any(axis=1))
     path = lay(problem.waypoints[fresh], problem.limits)
     points = grid(path, per_segment)
-    speeds = path_speeds(path, problem.limits, points)
-    if speeds is None:
-        return None
-    durations, coefficients = compose(path, points, speeds)
-    return Trajectory.from_pieces(durations, coefficients, np.where(fresh[1:], per_segment, 0))
+
+    def law(*further: ArmConstraint) -> SpeedLaw | None:
+        speeds = path_speeds(path, problem.limits, points, further)
+        if speeds is None:
+            return None
+        durations, coefficients = compose(path, points, speeds)
+        return Trajectory.from_pieces(durations, coefficients, np.where(fresh[1:], per_segment, 0)), speeds
+
+    if problem.arm is not None and not path.clamped:
+        return held(problem.arm, law)
+    free = law()
+    return None if free is None else free[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,10 +144,13 @@ class Retimed:
 
 
 def stretched(problem: Problem, motion: Trajectory, lay: PathRule) -> Retimed:
-    """Judge a motion along a path and stretch it until it keeps velocity and acceleration limits."""
+    """Judge a motion along a path and stretch it until it keeps all limits but those of jerk."""
     verdict = judge(without_jerk(problem), motion)
     leaves = bool(verdict.position_excess.max() > TOLERANCE)
-    return Retimed(motion.scaled(verdict.stretch), verdict.stretch, leaves, lay)
+    stretch = verdict.stretch
+    if problem.arm is not None:
+        stretch *= slow_down(problem.arm, motion.scaled(stretch))
+    return Retimed(motion.scaled(stretch), stretch, leaves, lay)
 
 
 def retime(problem: Problem, per_segment: int, lay: PathRule = chord_path) -> Retimed | None:
@@ -274,7 +204,7 @@ class Toppra(Deterministic):
     rules: tuple[PathRule, ...] = (chord_path, centripetal_path)
     about: str = "TOPP-RA: the fastest speed along a given path, without a jerk limit"
     freedom: ClassVar[Freedom] = Freedom.PATH
-    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS - {Demand.JERK} | {Demand.DIRECTIONAL_LIMITS}
+    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS - {Demand.JERK} | {Demand.DIRECTIONAL_LIMITS} | ARM
 
     @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
@@ -282,6 +212,7 @@ class Toppra(Deterministic):
         if not np.isfinite(problem.limits.acceleration).any():
             return Plan(Status.NOT_APPLICABLE, message="no acceleration limit: the path speed could step")
         rules = self.rules if settings.curve == "cubic-spline" else (chord_path,)
+        rules = rules if problem.arm is None else (centripetal_path,)
         retimed = self._refined(problem, rules, Deadline.after(settings.time_limit))
         if retimed is None:
             return Plan(Status.FAILED, message="TOPP-RA finds no path speeds")

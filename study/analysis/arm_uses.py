@@ -1,4 +1,4 @@
-"""What a motion asks of the whole arm, in words: torques, and the tool's speed and acceleration, against their limits."""
+"""Demands of a motion on the whole arm, in words: torques, and the tool's speed and acceleration, against their limits."""
 
 from __future__ import annotations
 

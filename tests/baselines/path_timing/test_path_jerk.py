@@ -5,8 +5,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from baselines.path_timing.path import chord_path, grid
 from baselines.path_timing.topp3_nlp import Topp3Nlp
-from baselines.path_timing.toppra import Toppra, chord_path, grid
+from baselines.path_timing.toppra import Toppra
 from study import EndCondition, JointLimits, Problem, judge
 from study.planning import RunSettings, Status
 

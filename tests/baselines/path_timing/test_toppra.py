@@ -5,7 +5,8 @@ import pytest
 from toppra import SplineInterpolator, algorithm, constraint
 
 from baselines.closed_forms import two_limit_time
-from baselines.path_timing.toppra import GRID, Toppra, centripetal_path, chord_path, compose, grid, retime
+from baselines.path_timing.path import centripetal_path, chord_path, compose, grid
+from baselines.path_timing.toppra import GRID, Toppra, retime
 from study import JointLimits, Problem, judge
 from study.curves import CURVES
 from study.planning import RunSettings, Status
