@@ -9,10 +9,12 @@ from typing import Annotated
 import typer
 
 from study.cases.library import Case, case_names, load_case
+from study.cases.suites import PAPERS
 from study.cli.screen import complain, make_console
 from study.cli.shared import (
     DEFAULT_OUT,
     STORE_NAME,
+    SUITE_NOTE,
     Dask,
     Fresh,
     Jobs,
@@ -23,6 +25,7 @@ from study.cli.shared import (
     names_in,
     run_missing,
     show,
+    suite_noted,
     watching,
 )
 from study.errors import StudyError, plural
@@ -65,6 +68,15 @@ def run(
             "`all` takes every installed planner.",
         ),
     ] = None,
+    suite: Annotated[
+        str | None,
+        typer.Option(
+            "--suite", metavar="SUITE", help="Problems of a suite and its line-up, see `study list --suites`."
+        ),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="With --suite: the problems marked quick, small budgets and few seeds.")
+    ] = False,
     out: Out = DEFAULT_OUT,
     jobs: Jobs = None,
     evaluations: Annotated[
@@ -90,6 +102,15 @@ def run(
 
     What is stored is not run again: run the same command to go on after an interruption.
     """
+    if suite is not None and suite != PAPERS:
+        _suite_alone(cases, full, live)
+        from study.cli.suite_run import Asked, run_suite  # here: its measures are slow to import
+
+        asked = Asked(quick, names_in(planners), seeds, evaluations, time_limit)
+        run_suite(suite, asked, out, Workers.of(jobs, fresh, memory, dask), make_console())
+        return
+    if quick:
+        raise StudyError("--quick goes with --suite; without one `study run` is quick, and --full is not")
     loaded = _cases(cases)
     budget = _budget(seeds, evaluations, full, time_limit)
     lineup = _lineup(planners)
@@ -98,6 +119,7 @@ def run(
     chosen = {name: case for name, (case, _) in loaded.items()}
     console = make_console()
     with Store(out / STORE_NAME) as store:
+        store.note(SUITE_NOTE, None)
         remember_lineup(store, cells, {name: source for name, (_, source) in loaded.items()})
         for reason in () if planners and planners != ["all"] else unavailable_planners().values():
             complain(f"left out: {reason}")
@@ -105,6 +127,13 @@ def run(
             run_missing(cell_jobs(cells, chosen), store, console, workers, watch)
         results = stored_results(store, cells, chosen)
     show(chosen, results, out, console, report, details=details)
+
+
+def _suite_alone(cases: Sequence[str] | None, full: bool, live: bool) -> None:
+    """Refuse options that say something else than a suite does."""
+    given = {"--cases": cases, "--full": full, "--live": live}
+    if clash := [name for name, value in given.items() if value]:
+        raise StudyError(f"--suite says which problems are run and how, so {clash[0]} does not go with it")
 
 
 def _cases(texts: Sequence[str] | None) -> dict[str, tuple[Case, str]]:
@@ -150,6 +179,11 @@ def report(
     After a run that was killed they show the cells that were finished: each was stored the moment it ended, and
     recordings are made from the store, so none has to be mended.
     """
+    if (out / STORE_NAME).is_file() and suite_noted(out):
+        from study.cli.suite_run import show_last_suite  # here: its measures are slow to import
+
+        show_last_suite(out, make_console())
+        return
     cases, _, results = last_run(out)
     if not results:
         raise StudyError(f"no stored result in {out / STORE_NAME} belongs to the last run; run `study run` first")

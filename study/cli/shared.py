@@ -31,6 +31,9 @@ from study.store.store import Store
 
 DEFAULT_OUT = Path("study-output")
 STORE_NAME = "results.sqlite"
+SUITE_NOTE = "suite"
+"""Name of the note in the results file that says which suite was run last; empty after another run."""
+
 INFEASIBLE = 3
 """Exit status where no feasible motion was found."""
 
@@ -263,6 +266,13 @@ def last_run(out: Path) -> tuple[dict[str, Case], dict[str, str], list[Result]]:
     cases = {name: load_case(source) for name, source in sources.items()}
     with Store(out / STORE_NAME, write=False) as store:
         return cases, sources, stored_results(store, cells, cases)
+
+
+def suite_noted(out: Path) -> dict[str, Any] | None:
+    """Note on the suite of the last run; None where it was no run of a suite."""
+    with Store(out / STORE_NAME, write=False) as store:
+        noted: dict[str, Any] | None = store.noted(SUITE_NOTE)
+    return noted
 
 
 def names_in(texts: Sequence[str] | None) -> list[str]:

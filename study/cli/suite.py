@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from study.cases.suite_file import suites_folder
+from study.cli.shared import DEFAULT_OUT, Out
 from study.files import write_file
 
 suite_app = typer.Typer(
@@ -36,3 +37,12 @@ def make(
     drawn = making.make(name, seed)
     path = write_file(out or suites_folder() / f"{name}.json", making.text_of(drawn))
     print(f"{len(drawn.problems)} problems, checksum {drawn.checksum}, written to {path}")
+
+
+@suite_app.command()
+def keep(out: Out = DEFAULT_OUT) -> None:
+    """Take the last run of a suite into the data: its runs as a Parquet file, and what is better than the records."""
+    from study.cli.suite_run import kept_run  # here: its measures are slow to import
+
+    for path, said in kept_run(out):
+        print(f"{said}: {path}")

@@ -13,6 +13,7 @@ INSTANCES = "abc"
 VELOCITY, ACCELERATION, JERK, HALF = 1.5, 5.0, 50.0, 1.5
 """Limits of every joint, rad/s, rad/s^2, rad/s^3, and half the span of the waypoints, rad."""
 
+QUICK_SEGMENTS = 99
 QUICK = "quick"
 """Tag of the problems of the quick run."""
 
@@ -29,7 +30,7 @@ def _problem(seed: int, n_segments: int, n_joints: int, letter: str, jerk: bool)
     rng = np.random.default_rng([seed, n_segments, n_joints, INSTANCES.index(letter)])
     full = np.full(n_joints, 1.0)
     limits = JointLimits(VELOCITY * full, ACCELERATION * full, JERK * full if jerk else None)  # type: ignore[arg-type]
-    quick = n_joints == USUAL_JOINTS and n_segments <= 49 and letter != "c" and not jerk
+    quick = n_joints == USUAL_JOINTS and n_segments <= QUICK_SEGMENTS and not jerk
     tags = ("random", "jerk" if jerk else "no jerk", f"{n_joints} joints", f"{n_segments} segments")
     ours = "ours: one limit for all joints, as in the first look at growth"
     return Drawn(

@@ -1,0 +1,203 @@
+"""The run of a suite, and what is shown of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+from rich.text import Text
+
+from study.analysis.formatting import percent, wall
+from study.analysis.tables import write_table
+from study.cases.case import Case
+from study.cases.suite_file import suites_folder
+from study.cases.suites import Suite, suite_named
+from study.cli.screen import SafeConsole, complain, fitted
+from study.cli.shared import STORE_NAME, SUITE_NOTE, Workers, last_run, run_missing, suite_noted
+from study.errors import StudyError, plural
+from study.files import replacing, write_file
+from study.planning import Planner
+from study.registry import method_named, unavailable_planners
+from study.runs.execute import cell_jobs, stored_results
+from study.runs.remembered import remember_lineup
+from study.store.results import Result
+from study.store.store import Store
+from study.suites.lineups import Lineup, chosen_cases, given_lineup, suite_cells, usual_lineup
+from study.suites.measures import Field, Run, Score, best_in, runs_file, runs_of, scores, write_runs
+from study.suites.records import contradictions, improved, known_times, records_file, records_of, records_text
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Wishes about the run of a suite beyond its line-up.
+
+    Attributes
+    ----------
+    quick : bool
+    planners : sequence of str
+        In the place of the line-up's, with one time limit.
+    seeds, evaluations : int, optional
+    time_limit : float, s
+        Of planners that were asked for.
+    """
+
+    quick: bool
+    planners: Sequence[str]
+    seeds: int | None
+    evaluations: int | None
+    time_limit: float
+
+
+def run_suite(name: str, asked: Asked, out: Path, workers: Workers, console: SafeConsole) -> None:
+    """Run what the store does not have of a suite, and show it."""
+    suite = suite_named(name)
+    lineup = given_lineup(asked.planners, asked.time_limit) if asked.planners else usual_lineup(suite)
+    cases = chosen_cases(suite, asked.quick)
+    chosen = {case.name: case for case in cases}
+    cells = suite_cells(cases, lineup, asked.quick, asked.seeds, asked.evaluations)
+    console.print(*_head(suite, len(cases), lineup), sep="\n")
+    with Store(out / STORE_NAME) as store:
+        remember_lineup(store, cells, {case.name: case.name for case in cases})
+        store.note(SUITE_NOTE, {"name": name, "version": suite.version, "checksum": suite.checksum})
+        for method, reason in unavailable_planners().items():
+            if method in lineup.limits or method in lineup.searches:
+                complain(f"left out: {reason}")
+        run_missing(cell_jobs(cells, chosen), store, console, workers)
+        results = stored_results(store, cells, chosen)
+    show_suite(suite, chosen, results, out, console)
+
+
+def show_last_suite(out: Path, console: SafeConsole) -> None:
+    """Show the suite of the last run again, from the stored results."""
+    suite = suite_of_last_run(out)
+    cases, _, results = last_run(out)
+    show_suite(suite, cases, results, out, console)
+
+
+def _head(suite: Suite, problems: int, lineup: Lineup) -> list[str]:
+    limits = ", ".join(f"{name} {limit:g} s" for name, limit in {**lineup.limits, **lineup.searches}.items())
+    return [
+        f"suite {suite.name}, version {suite.version}, checksum {suite.checksum}: {plural(problems, 'problem')}",
+        f"line-up {lineup.name}, with the time limit of each: {limits}",
+    ]
+
+
+def suite_of_last_run(out: Path) -> Suite:
+    """Suite of the last run into a folder.
+
+    Raises
+    ------
+    StudyError
+        If the last run was no run of a suite, or the suite has changed since.
+    """
+    noted = suite_noted(out)
+    if not noted:
+        raise StudyError(f"the last run in {out} was no run of a suite; run `study run --suite SUITE` first")
+    suite = suite_named(noted["name"])
+    if suite.checksum != noted["checksum"]:
+        raise StudyError(
+            f"suite {suite.name!r} has changed since it was run (checksum {noted['checksum']}, now {suite.checksum}); "
+            f"run `study run --suite {suite.name}` again"
+        )
+    return suite
+
+
+def show_suite(
+    suite: Suite, cases: Mapping[str, Case], results: Sequence[Result], out: Path, console: SafeConsole
+) -> None:
+    """Print the scores of all methods, and write all runs as files."""
+    runs = runs_of(results, cases)
+    if not runs:
+        raise StudyError(f"no stored result belongs to suite {suite.name!r}; run `study run --suite {suite.name}`")
+    field = Field(tuple(runs), best_in(runs, known_times(suite)))
+    folder = out / "suite"
+    folder.mkdir(parents=True, exist_ok=True)
+    write_table(folder / "runs", [asdict(run) for run in runs])
+    with console.paged():
+        console.print(score_table(console, f"Suite {suite.name}, checksum {suite.checksum}", scores(field)))
+        console.print(bound_line(runs, field), f"runs: {folder / 'runs.parquet'}", sep="\n")
+
+
+def kept_run(out: Path) -> Iterator[tuple[Path, str]]:
+    """Write the runs of the last run of a suite and the records that it improves into the data; places and what stands there.
+
+    Raises
+    ------
+    StudyError
+        If the last run was no run of a suite, or a record contradicts a bound or the judge.
+    """
+    suite = suite_of_last_run(out)
+    cases, _, results = last_run(out)
+    runs = runs_of(results, cases)
+    methods = {name: method_named(name) for name in {run.planner for run in runs}}
+    kinds = {name: method.freedom if isinstance(method, Planner) else None for name, method in methods.items()}
+    known = records_of(suite)
+    records = improved(known, results, kinds)
+    if wrong := contradictions(records, suite.cases):
+        raise StudyError(f"the records of suite {suite.name!r} cannot be kept: {wrong[0]}")
+    folder = suites_folder() / "results"
+    for place in (folder, records_file(suite).parent):
+        place.mkdir(parents=True, exist_ok=True)
+    with replacing(runs_file(suite)) as part:
+        write_runs(part, runs)
+    yield runs_file(suite), f"{plural(len(runs), 'run')}"
+    better = sum(records[name] != known.get(name) for name in records)
+    write_file(records_file(suite), records_text(suite, records))
+    yield records_file(suite), f"records of {plural(len(records), 'problem')}, {better} of them new or better"
+
+
+def score_table(console: SafeConsole, title: str, ranked: Sequence[Score]) -> Table:
+    """Table of scores; failures are counted in every number of it."""
+    rows: list[tuple[str | Text, ...]] = [
+        (
+            score.method,
+            score.kind,
+            f"{score.feasible}/{score.runs}",
+            percent(score.gap_any),
+            percent(score.gap_own),
+            *(percent(share, signed=False) for share in score.within),
+            wall(score.wall_time),
+            Text(", ".join(f"{count} {reason}" for reason, count in score.failures.items())),
+        )
+        for score in ranked
+    ]
+    heads = (
+        "method",
+        "kind",
+        "feasible",
+        "gap",
+        "own kind",
+        "near in 0.1 s",
+        "in 1 s",
+        "in 10 s",
+        "median",
+        "failures",
+    )
+    return fitted(
+        console,
+        title,
+        heads,
+        rows,
+        left=("method", "kind", "failures"),
+        wraps=("failures",),
+        gives_way=("in 10 s", "near in 0.1 s", "kind", "own kind", "median"),
+    )
+
+
+def bound_line(runs: Sequence[Run], field: Field) -> str:
+    """Say how far the best known times stand above what is proved."""
+    bounds: dict[str, float] = {}
+    for run in runs:
+        if run.bound and run.kind == "bound":
+            bounds[run.problem] = max(run.bound, bounds.get(run.problem, 0.0))
+    gaps = sorted(field.best_of_any[name] / bound - 1.0 for name, bound in bounds.items() if name in field.best_of_any)
+    if not gaps:
+        return "no bound was proved"
+    middle: Any = gaps[len(gaps) // 2]
+    return (
+        f"best known above the proved bound of any motion: median {percent(middle)}, least {percent(gaps[0])}, most "
+        f"{percent(gaps[-1])}, on {plural(len(gaps), 'problem')}"
+    )

@@ -1,0 +1,76 @@
+"""Measures over a suite: by hand, and no failure is dropped."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from study.errors import StudyError
+from study.suites import measures
+from study.suites.measures import Field, Run, best_in, data_profiles, performance_profiles, scores, shifted_mean
+
+GOOD = Run(
+    "s:a", 3, 2, False, "quick", "free path", 0, 0, "FINISHED", True, 1.0, 1.0, 0.05, 0.0, ""
+)  # fmt: skip
+SLOW = replace(GOOD, planner="slow", duration=1.5, wall_time=5.0, kind="fixed path")
+BROKEN = replace(SLOW, problem="s:b", feasible=False, stretch=1.2, reason="too fast")
+
+
+@pytest.fixture
+def field():
+    runs = (GOOD, replace(GOOD, problem="s:b", duration=2.0), SLOW, BROKEN)
+    return Field(runs, best_in(runs))
+
+
+def test_the_shifted_mean_caps_failures_and_is_exact_for_equal_gaps():
+    assert shifted_mean([0.3, 0.3]) == pytest.approx(0.3)
+    assert shifted_mean([0.0, math.inf]) == pytest.approx(math.sqrt(0.01 * 10.01) - 0.01)
+    assert shifted_mean([0.0]) == pytest.approx(0.0)
+
+
+def test_a_failure_counts_in_every_number(field):
+    first, last = scores(field)
+    assert (first.method, first.feasible, first.runs, first.near) == ("quick", 2, 2, 1.0)
+    assert first.within == (1.0, 1.0, 1.0)
+    assert (last.method, last.feasible, last.runs, last.near) == ("slow", 1, 2, 0.0)
+    assert last.failures == {"breaks limits": 1}
+    assert last.gap_any == pytest.approx(math.sqrt(0.51 * 10.01) - 0.01)
+    assert last.gap_own == pytest.approx(math.sqrt(0.01 * 10.01) - 0.01)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"status": "NOT_APPLICABLE", "duration": math.inf}, "does not apply"),
+        ({"status": "TIMED_OUT", "duration": math.inf}, "out of time"),
+        ({"status": "FAILED", "duration": math.inf}, "no motion"),
+        ({"stretch": 1.0}, "misses another demand"),
+    ],
+)
+def test_endings_are_told_apart(field, changes, said):
+    runs = (*field.runs[:3], replace(BROKEN, **changes))
+    assert scores(Field(runs, field.best))[1].failures == {said: 1}
+
+
+def test_profiles_end_at_the_share_that_succeeded(field):
+    lines = {line.method: line for line in performance_profiles(field)}
+    assert lines["quick"].x.tolist() == [1.0, 1.0]
+    assert lines["slow"].share.tolist() == [0.5]
+    near = {line.method: line for line in data_profiles(field)}
+    assert near["slow"].x.size == 0
+    assert near["quick"].x.tolist() == [0.05, 0.05]
+
+
+def test_the_table_of_problems_has_infinity_where_a_method_failed(field):
+    methods, problems, values = measures.table_of_problems(field)
+    assert (methods, problems) == (["quick", "slow"], ["s:a", "s:b"])
+    np.testing.assert_array_equal(values, [[1.0, 1.5], [2.0, np.inf]])
+
+
+def test_runs_come_back_from_their_file(tmp_path, field):
+    path = tmp_path / "runs.parquet"
+    measures.write_runs(path, field.runs)
+    assert measures.read_runs(path) == list(field.runs)
+    with pytest.raises(StudyError, match="no committed runs"):
+        measures.read_runs(tmp_path / "none.parquet")
