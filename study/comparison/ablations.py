@@ -8,9 +8,10 @@ from enum import StrEnum
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from study.analysis.formatting import listed, seconds
-from study.analysis.tables import Column, Grid, grid
+from study.analysis.tables import Cell, Column, Grid, grid
 from study.cases.library import Case
 from study.comparison import statistics
 from study.comparison.effort import Effort
@@ -199,7 +200,8 @@ def ablation_plot(ablation: Ablation, findings: Sequence[AblationFinding]) -> Ma
 
 def _mark(finding: AblationFinding) -> Mark:
     shape, offset = ("o", -0.15) if finding.trajectory else ("^", 0.15)
-    return Mark(finding.improvement, finding.a12, shape, finding.effect is not Effect.NONE, offset)
+    note = f"{_task(finding)}: A12 {finding.a12:.2f}, {finding.effect if finding.effect is not Effect.NONE else 'no effect that counts'}"
+    return Mark(finding.improvement, finding.a12, shape, finding.effect is not Effect.NONE, offset, note)
 
 
 def of_paper(findings: Sequence[AblationFinding], ablation: Ablation) -> list[AblationFinding]:
@@ -207,24 +209,29 @@ def of_paper(findings: Sequence[AblationFinding], ablation: Ablation) -> list[Ab
     return [finding for finding in findings if finding.paper == ablation.paper]
 
 
-def improvements(findings: Sequence[AblationFinding]) -> list[str]:
-    """Say which improvements matter on trajectory problems, and which on functions only."""
-    sentences = []
+SIGNS = {Effect.HELPS: '<span class="good">+</span>', Effect.HARMS: '<span class="bad">−</span>', Effect.NONE: ""}
+UNTRIED = "·"
+
+
+def matrix(findings: Sequence[AblationFinding]) -> Grid:
+    """Effect of every improvement, a row, on every task, a column: it helps, it harms, or neither."""
+    tasks = list(dict.fromkeys(map(_task, sorted(findings, key=lambda finding: not finding.trajectory))))
+    rows: list[list[Cell]] = []
     for ablation in ABLATIONS:
-        own = of_paper(findings, ablation)
-        if any(finding.improvement != WHOLE for finding in own):
-            parts = [f"{name}: {_counted(own, name)}" for name in ablation.improvements]
-            sentences.append(f"{ablation.title}. {'; '.join(parts)}.")
-    return sentences
+        for name in (*ablation.improvements, WHOLE):
+            own = {_task(f): f.effect for f in findings if f.paper == ablation.paper and f.improvement == name}
+            if own:
+                cells = [Markup(SIGNS[own[task]]) if task in own else UNTRIED for task in tasks]  # noqa: S704 - our own
+                rows.append([ablation.title, name, *cells])
+    caption = (
+        "+ helps, − harms, blank: neither that counts; a dot: not tried there. Trajectory problems first, then functions "
+        "with the optimum at the origin and shifted."
+    )
+    return Grid(caption, ["Search", "Improvement", *tasks], rows, names=2)
 
 
-def _counted(findings: Sequence[AblationFinding], name: str) -> str:
-    texts = []
-    for kind, trajectory in (("trajectory", True), ("function", False)):
-        effects = [f.effect for f in findings if f.improvement == name and f.trajectory is trajectory]
-        helps, harms = effects.count(Effect.HELPS), effects.count(Effect.HARMS)
-        texts.append(f"helps on {helps} and harms on {harms} of {len(effects)} {kind} tasks")
-    return ", ".join(texts)
+def _task(finding: AblationFinding) -> str:
+    return finding.task if finding.trajectory else f"{finding.task}, {finding.view}"
 
 
 def matters(findings: Sequence[AblationFinding]) -> str:

@@ -16,17 +16,17 @@ from study.comparison.plots import Marks
 from study.comparison.ranking import Omnibus
 from study.comparison.targets import Anytime, Distribution
 from study.report.figures import sized, svg
-from study.report.plot_style import DASHES, GRID, INK, MARKERS, MUTED, RC, SERIES
+from study.report.plot_style import DASHES, GRID, INK, MARKERS, MUTED, RC, SERIES, Notes
 
 LEAST = 1e-6
 """Smallest share above the reference that a logarithmic axis shows."""
 
 
-def _canvas(width: float, height: float, left: float, top: float = 10.0) -> tuple[Figure, Axes]:
+def _canvas(width: float, height: float, left: float, top: float = 10.0, right: float = 14.0) -> tuple[Figure, Axes]:
     """Make axes in a figure of so many pixels, with a margin for row names on the left."""
     figure = sized(width, height)
     axes = figure.subplots()
-    figure.subplots_adjust(left / width, 46 / height, 1 - 14 / width, 1 - top / height)
+    figure.subplots_adjust(left / width, 46 / height, 1 - right / width, 1 - top / height)
     axes.grid(True, color=GRID, linewidth=0.8)
     axes.tick_params(length=0)
     axes.minorticks_off()
@@ -47,17 +47,33 @@ def _rows(axes: Axes, names: Sequence[str]) -> None:
 def distribution(key: str, lines: Sequence[Distribution], styles: dict[str, int]) -> Markup:
     """Plot the share of targets reached against evaluations per segment; planners without a style are thin lines."""
     with mpl.rc_context(RC):
-        figure, axes = _canvas(720, 380, 58)
+        figure, axes = _canvas(860, 400, 58, right=190)
         for line in lines:
             style = styles.get(line.planner)
             look: dict[str, Any] = {"color": MUTED, "linewidth": 0.7} if style is None else _look(style)
             axes.step(line.costs, line.shares, where="post", **look)
         axes.set(xscale="log", xlabel="evaluations per segment", ylabel="share of targets reached", ylim=(0, 1.02))
         _decades(axes)
+        for line, y in zip(lines, _spread([line.shares[-1] for line in lines], 0.042), strict=True):
+            style = styles.get(line.planner)
+            colour = MUTED if style is None else SERIES[style]
+            axes.annotate(
+                line.planner, (line.costs[-1], line.shares[-1]), xytext=(1.02, y), textcoords=("axes fraction", "data"),
+                va="center", fontsize=11, color=MUTED if style is None else INK, annotation_clip=False,
+                arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.8},
+            )  # fmt: skip
         names = ", ".join(line.planner for line in lines)
         return svg(
             figure, key, "Targets reached", f"Share of cases, runs and targets reached against evaluations for {names}."
         )
+
+
+def _spread(places: Sequence[float], apart: float) -> list[float]:
+    """Heights for labels at falling places, each at least so far below the one before, and none below zero."""
+    heights: list[float] = []
+    for place in places:
+        heights.append(min(place, heights[-1] - apart) if heights else place)
+    return [max(height, apart * (len(heights) - 1 - k)) for k, height in enumerate(heights)]
 
 
 def _look(style: int) -> dict[str, Any]:
@@ -129,7 +145,7 @@ def critical_difference(key: str, test: Omnibus) -> Markup:
 
 def rows_of_marks(plot: Marks) -> Markup:
     """Draw marks in named rows."""
-    rows = plot.rows
+    rows, notes = plot.rows, Notes()
     with mpl.rc_context(RC):
         figure, axes = _canvas(720, 26 * len(rows) + (84 if plot.heading else 60), 220, 24 if plot.heading else 10)
         if plot.line is not None:
@@ -139,7 +155,8 @@ def rows_of_marks(plot: Marks) -> Markup:
         for mark in plot.marks:
             face = INK if mark.filled else "none"
             place = rows.index(mark.row) + mark.offset
-            axes.plot(mark.x, place, mark.shape, color=INK, markerfacecolor=face, markersize=6, clip_on=False)
+            gid = notes.add(f"{mark.row}: {mark.note or figure_text(mark.x)}")
+            axes.plot(mark.x, place, mark.shape, color=INK, markerfacecolor=face, markersize=6, clip_on=False, gid=gid)
         if plot.logarithmic:
             axes.set_xscale("log")
             _decades(axes)
@@ -148,4 +165,4 @@ def rows_of_marks(plot: Marks) -> Markup:
             axes.set_xlim(*plot.span)
         axes.set_title(plot.heading, loc="left")
         axes.set_xlabel(plot.label)
-        return svg(figure, plot.key, plot.title, plot.description)
+        return svg(figure, plot.key, plot.title, plot.description, notes)

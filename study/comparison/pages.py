@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from markupsafe import Markup
 
+from study.analysis.palette import method_slots
 from study.analysis.tables import Grid, Record, records, write_table
 from study.comparison import ablations, audit_functions, audit_trajectories, claims_shown, figures, ranking, targets
 from study.comparison.build import Comparison
@@ -17,6 +19,7 @@ from study.comparison.ioh import write_ioh
 from study.comparison.overview import limitations, summary
 from study.errors import StudyError
 from study.files import write_file
+from study.report.live import Line, Look, answering, steps_data
 from study.report.rendering import render, write_scripts
 from study.runs.selections import YARDSTICKS
 
@@ -27,7 +30,7 @@ PAGES = {
     "audit": "Invariance audit",
     "ablations": "Ablations",
 }
-N_STYLES = 6
+N_STYLES = 7
 
 
 @dataclass(frozen=True)
@@ -156,12 +159,15 @@ def _claims_page(comparison: Comparison) -> Page:
 
 
 def _styles(comparison: Comparison) -> dict[str, int]:
-    """Styles of the lines worth telling apart: the trivial opponents that move, PSO, and the best searches by rank."""
+    """Slots of the lines worth telling apart: those that reach most targets, then PSO and random search, then by rank."""
     tests, scaled = comparison.omnibus, comparison.field.levels[Level.SCALED]
+    segments = {name: case.problem.n_segments for name, case in comparison.cases.items()}
+    most = [[line.planner for line in targets.distributions(each, segments)] for each in comparison.measured.values()]
     ranked = tests[0].planners if tests else tuple(contestant.planner for contestant in scaled)
-    first = [name for name in ("lbfgsb-once", "random-search", "pso") if name in ranked]
-    rest = [name for name in dict.fromkeys(ranked) if name not in (*first, *YARDSTICKS)]
-    return {name: style for style, name in enumerate([*first, *rest][:N_STYLES])}
+    first = [name for planners in most for name in [p for p in planners if p not in YARDSTICKS][:2]]
+    first += [name for name in ("random-search", "pso") if name in ranked]
+    chosen = list(dict.fromkeys([*first, *(name for name in ranked if name not in YARDSTICKS)]))[:N_STYLES]
+    return method_slots(chosen, chosen)
 
 
 def _targets_page(comparison: Comparison) -> Page:
@@ -171,7 +177,7 @@ def _targets_page(comparison: Comparison) -> Page:
     sections = [Section("References", grids=[reference_grid(field.references, flags)])]
     for level, measured in comparison.measured.items():
         shares = targets.distributions(measured, segments)
-        drawn = [figures.distribution(f"ecdf-{level}", shares, styles)] if shares else []
+        drawn = [_distribution(level, shares, styles)] if shares else []
         sections.append(
             Section(f"Targets reached, {level} formulation", [f"{level}: {LEVELS[level]}."], drawn, legend=legend)
         )
@@ -192,8 +198,8 @@ def _targets_page(comparison: Comparison) -> Page:
             "failed run is followed by another: all evaluations spent over the number of runs that reached it.",
             "Every search has the same budget of evaluations on a case, the same seeds, and no more information than the others.",
             "A line of the first figure that is higher reached more of all cases, runs and targets within as many evaluations; no "
-            "restarts are simulated in it, so a line ends where the budget does. Thin lines are the other planners, whose numbers "
-            "stand in the tables.",
+            "restarts are simulated in it, so a line ends where the budget does. Thin lines are the other planners; every "
+            "line has its name at its end.",
             "The bands of the anytime curves are quartiles over runs. Centre and one L-BFGS-B descent need the scaled formulation "
             "and stand with it in both levels.",
         ],
@@ -201,10 +207,40 @@ def _targets_page(comparison: Comparison) -> Page:
     )
 
 
+def _distribution(level: Level, lines: Sequence[targets.Distribution], styles: dict[str, int]) -> Markup:
+    look = Look(
+        f"targets-{level}",
+        "evaluations per segment",
+        "At the end of the budget.",
+        380,
+        log=(True, False),
+        form="percent",
+        across="evaluations per segment",
+    )
+    rows = [(line.costs, line.shares) for line in lines]
+    named = [Line(line.planner, styles.get(line.planner)) for line in lines]
+    data = steps_data(look, named, "share of targets reached", "reached", rows)
+    return answering(data, figures.distribution(f"ecdf-{level}", lines, styles))
+
+
 def _anytime(comparison: Comparison, level: Level, case: str, number: int, styles: dict[str, int]) -> Markup:
     own = [run for run in comparison.field.levels[level] if run.case == case and run.planner in styles]
     known = comparison.field.references[case].value
-    return figures.anytime(f"anytime-{level}-{number}", case, targets.anytime(own), known, styles)
+    curves = targets.anytime(own)
+    look = Look(
+        f"anytime-{level}-{number}",
+        "evaluations",
+        "At the end of the budget.",
+        300,
+        log=(True, True),
+        form="percent",
+        bands=True,
+        across="evaluations",
+    )
+    rows = [(curve.evaluations, *np.maximum(curve.values[[1, 0, 2]] / known - 1.0, figures.LEAST)) for curve in curves]
+    named = [Line(curve.planner, styles[curve.planner]) for curve in curves]
+    data = steps_data(look, named, f"{case}: above the best known, median and quartiles", "above", rows)
+    return answering(data, figures.anytime(f"anytime-{level}-{number}", case, curves, known, styles))
 
 
 def _tests_page(comparison: Comparison) -> Page:
@@ -269,14 +305,16 @@ def _audit_page(comparison: Comparison) -> Page:
 
 
 def _ablations_page(comparison: Comparison) -> Page:
-    sections = []
+    sections = (
+        [Section("All at a glance", grids=[ablations.matrix(comparison.ablations)])] if comparison.ablations else []
+    )
     for ablation in ABLATIONS:
         own = ablations.of_paper(comparison.ablations, ablation)
         drawn = [figures.rows_of_marks(ablations.ablation_plot(ablation, own))] if own else []
         sections.append(Section(ablation.title, figures=drawn, grids=[ablations.ablation_grid(ablation, own)]))
     return Page(
         "The ablations that the papers owe",
-        [ablations.matters(comparison.ablations), *ablations.improvements(comparison.ablations)],
+        [ablations.matters(comparison.ablations)],
         [
             "Each improvement is switched on by itself on the paper's plain search, and then all together; the same seeds for all.",
             "An effect counts when A12 is at least 0.71 or at most 0.29, the signed rank test, adjusted by Holm for the paper's forms "

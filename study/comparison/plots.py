@@ -8,13 +8,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Mark:
-    """A mark in a row: place on the axis, marker of matplotlib, and offset below the middle of the row, in rows."""
+    """A mark in a row: place on the axis, marker of matplotlib, offset below the row's middle in rows, and its note."""
 
     row: str
     x: float
     shape: str
     filled: bool = True
     offset: float = 0.0
+    note: str = ""
 
 
 @dataclass(frozen=True)

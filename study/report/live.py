@@ -175,6 +175,11 @@ def steps_data(
     return _written(look, lines, [{"name": "", "panels": [panel]}])
 
 
+def answering(data: Markup, static: Markup) -> Markup:
+    """Contents of a figure with its data and what stands in its place on paper and without scripts."""
+    return data + Markup('<div class="static">{}</div>').format(static)
+
+
 def _numbers(values: Iterable[float]) -> list[float | None]:
     """Numbers as short as they may be; null for what is not finite."""
     return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in np.asarray(values, dtype=float)]

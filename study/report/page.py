@@ -91,7 +91,7 @@ def _case_report(summary: CaseSummary, out: Path, sources: Mapping[str, str]) ->
 def write_viewers(scripts: Mapping[str, Sequence[str]], cases: Mapping[str, Case], out: Path) -> None:
     """Write a page with the viewer inside for every case of `cases`, which like `scripts` is by the page's stem."""
     for slug, needed in scripts.items():
-        text = filled("viewer.html.j2", {"slug": slug, "case": cases[slug], "scripts": needed})
+        text = filled("viewer.html.j2", {"slug": slug, "case": cases[slug], "parts": needed})
         write_file(out / f"{slug}-viewer.html", text)
 
 

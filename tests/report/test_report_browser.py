@@ -1,27 +1,25 @@
-"""The report in a real browser: no complaint, no request, sorting works, nothing sticks out of a narrow window."""
+"""The pages in a real browser: figures answer to the pointer, tables sort and filter, and everybody can read them."""
 
 from __future__ import annotations
 
-import html
-import json
-import re
 import shutil
-import subprocess
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
 import pytest
 
 from study.analysis.case_summary import summarise
+from study.bench.page import write_page
 from study.cases.library import load_case
+from study.cli.example import EXAMPLE
 from study.comparison.build import compare
 from study.comparison.pages import write_pages
 from study.report.case_page import STANDINGS
 from study.report.page import build_report
+from study.report.rendering import SCRIPTS
 from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
 from study.runs.runner import run_jobs
@@ -29,198 +27,301 @@ from study.store.store import Store
 from tests.helpers.comparisons import TINY
 from tests.helpers.threads import no_processes
 
+playwright = pytest.importorskip("playwright.sync_api", reason="the extra `browser` is not installed")
+axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="the extra `browser` is not installed")
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium is installed")
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no chromium is installed")]
 
-FLAGS = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update",
-    "--disable-sync", "--no-first-run", "--disable-default-apps", "--disable-dev-shm-usage",
-)  # fmt: skip
-
-PROBED = "probed-"
-
-LISTEN = """<script>
-const faults = [];
-addEventListener("error", (event) => faults.push("error: " + event.message));
-addEventListener("securitypolicyviolation", (event) => faults.push("policy: " + event.blockedURI));
-for (const kind of ["error", "warn"]) console[kind] = (...words) => faults.push(kind + ": " + words.join(" "));
-</script>"""
-
-PROBE = """<script>
-const table = document.querySelector("#results-table");
-const order = (index) => table && [...table.tBodies].map((body) => [body.className,
-  [...body.rows].filter((row) => row.className !== "group").map((row) => row.cells[index].dataset.value)]);
-const heads = table ? [...table.tHead.rows[0].cells] : [];
-const steps = [];
-for (const name of ["Median, s", "Median, s", "Method", "Limit use"]) {
-  const index = heads.findIndex((head) => head.textContent.trim() === name);
-  if (index < 0) continue;
-  const button = heads[index].querySelector("button");
-  button.focus();
-  const focused = document.activeElement === button;
-  button.click();
-  steps.push({ name, focused, sorted: heads[index].getAttribute("aria-sort"), others:
-    heads.filter((head) => ["ascending", "descending"].includes(head.getAttribute("aria-sort"))).length, order: order(index) });
-}
-const said = document.querySelector("[role=status]");
-const spoken = said && said.textContent;
-const tables = [...document.querySelectorAll("table:has(th button)")].map((one) => {
-  const index = Math.max(0, [...one.tHead.rows[0].cells].findLastIndex((head) => head.matches(".num:has(button)")));
-  const head = one.tHead.rows[0].cells[index];
-  head.querySelector("button").click();
-  const cells = [...one.tBodies[0].rows].map((row) => row.cells[index]);
-  return { head: head.textContent, sorted: head.getAttribute("aria-sort"),
-    cells: cells.map((cell) => cell.dataset.value ?? cell.textContent.trim()) };
-});
-const wide = [...document.querySelectorAll("main > *")].filter((one) => one.getBoundingClientRect().right > innerWidth + 1);
-const report = { faults, steps, said: spoken, tables, width: innerWidth,
-  overflow: document.documentElement.scrollWidth - innerWidth, wide: wide.map((one) => one.tagName),
-  requests: performance.getEntriesByType("resource").map((entry) => entry.name),
-  links: [...document.querySelectorAll("a[href]")].map((one) => one.href),
-  panels: document.querySelectorAll("svg[role=img]").length };
-const pre = document.createElement("pre");
-pre.id = "probe";
-pre.textContent = JSON.stringify(report);
-document.body.append(pre);
-</script>"""
-
-
-@dataclass(frozen=True)
-class Seen:
-    """What the probe in the page saw, and what the browser wrote to its log."""
-
-    probe: dict
-    log: str
-
-
-Look = Callable[[str, int], Seen]
+ROOT = Path(__file__).parents[2]
+PAGES = [
+    "index.html", "woodworking.html", "mine.html", "comparison/index.html", "comparison/targets.html",
+    "comparison/ablations.html", "performance.html",
+]  # fmt: skip
+MOST_BYTES = 2_000_000
+Open = Callable[..., Any]
 
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    case = load_case("woodworking")
-    specs = [
-        Spec("pso"),
-        Spec("random-search"),
-        Spec("golds-pso", "scaled", "shared"),
-        Spec("centre"),
-        Spec("ruckig-stops"),
-    ]
-    cells = make_cells([case], specs, Budget(seeds=2, evaluations=120))
-    other = load_case("puma560")
-    cases = {one.name: one for one in (case, other)}
-    cells += make_cells([other], [Spec("pso", "scaled", "shared"), Spec("centre")], Budget(seeds=1, evaluations=60))
-    results = [CellJob(cell, cases[cell.case].problem).run() for cell in cells]
+    """A folder with the papers' cases, a case of one's own, a comparison and a bench."""
     out = tmp_path_factory.mktemp("out")
+    (out / "mine.yaml").write_text(EXAMPLE.replace("NAME", '"mine"'))
+    wood, puma, mine = load_case("woodworking"), load_case("puma560"), load_case(str(out / "mine.yaml"))
+    names = [
+        "pso",
+        "random-search",
+        "golds-pso:scaled:shared",
+        "gold-sa",
+        "smwoa",
+        "de",
+        "centre",
+        "ruckig-stops",
+        "toppra",
+    ]
+    cells = make_cells([wood], [Spec(*name.split(":")) for name in names], Budget(seeds=2, evaluations=120))
+    cells += make_cells([puma], [Spec("pso", "scaled", "shared"), Spec("centre")], Budget(seeds=1, evaluations=60))
+    cells += make_cells(
+        [mine],
+        [*map(Spec, ("free-path", "ruckig-stops", "casadi-nlp", "golds-pso", "toppra"))],
+        Budget(seeds=2, evaluations=200),
+    )
+    cases = {case.name: case for case in (wood, puma, mine)}
+    results = [CellJob(cell, cases[cell.case].problem).run() for cell in cells]
     with Store(out / "results.sqlite") as store, pytest.MonkeyPatch.context() as patch:
         no_processes(patch)
-        found = compare({case.name: case}, TINY, store, lambda part, jobs: run_jobs(jobs, store, workers=1))
+        found = compare({wood.name: wood}, TINY, store, lambda part, jobs: run_jobs(jobs, store, workers=1))
     write_pages(found, out / "report" / "comparison", {"Python": "3.x"})
-    return build_report(summarise(cases, results), out / "report", {"Python": "3.x"}).parent
+    write_page(ROOT / "docs" / "bench.json", out / "report")
+    sources = {"mine": str(out / "mine.yaml")}
+    return build_report(summarise(cases, results), out / "report", {"Python": "3.x"}, sources=sources).parent
 
 
 @pytest.fixture(scope="module")
-def look(report: Path, tmp_path_factory: pytest.TempPathFactory) -> Look:
-    return cache(lambda name, width: _look(report, name, width, tmp_path_factory.mktemp("browser")))
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as driver:
+        program = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
+        yield program
+        program.close()
 
 
-def _look(report: Path, name: str, width: int, tmp_path: Path) -> Seen:
-    page = report / name
-    text = page.read_text(encoding="utf-8")
-    probed = page.with_name(f"{PROBED}{page.name}")
-    probed.write_text(
-        text.replace("</title>", "</title>" + LISTEN, 1).replace("</body>", PROBE + "</body>"), encoding="utf-8"
+@pytest.fixture
+def look(browser: Any, report: Path) -> Iterator[Open]:
+    """Opens a page of the report; what it complains of and asks for is kept in `faults` and `requests`."""
+    contexts = []
+
+    def opened(name: str, width: int = 1280, **options: Any) -> Any:
+        contexts.append(browser.new_context(viewport={"width": width, "height": 900}, **options))
+        page = contexts[-1].new_page()
+        page.faults, page.requests = [], []
+        page.on("console", lambda message: page.faults.append(message.text))
+        page.on("pageerror", lambda error: page.faults.append(str(error)))
+        page.on("request", lambda request: page.requests.append(request.url))
+        page.goto((report / name).as_uri())
+        return page
+
+    yield opened
+    for context in contexts:
+        context.close()
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("name", PAGES)
+def test_no_complaint_no_request_nothing_sticks_out(look: Open, report: Path, name: str, width: int) -> None:
+    page = look(name, width)
+    page.wait_for_timeout(100)
+    assert page.faults == []
+    own = {(report / path).as_uri() for path in (name, *SCRIPTS)}
+    assert {url for url in page.requests if not url.startswith("data:")} == own
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    boxes = (
+        "[...document.querySelectorAll('main > *')].filter((one) => one.getBoundingClientRect().right > innerWidth + 1)"
     )
-    done = subprocess.run(
-        [str(CHROMIUM), *FLAGS, f"--user-data-dir={tmp_path}", f"--window-size={width},900", "--enable-logging=stderr",
-         "--virtual-time-budget=2000", "--dump-dom", probed.as_uri()],
-        capture_output=True, text=True, timeout=90,
-    )  # fmt: skip
-    probed.unlink()
-    found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
-    assert found, done.stderr[-2000:]
-    return Seen(json.loads(html.unescape(found[1])), done.stderr)
+    assert page.evaluate(f"{boxes}.map((one) => one.outerHTML.slice(0, 80))") == []
 
 
-PAGES = ["index.html", "woodworking.html", "comparison/index.html", "comparison/targets.html"]
-
-
-@pytest.mark.parametrize("width", [1280, 500])
-@pytest.mark.parametrize("name", PAGES)
-def test_no_complaint_no_request_nothing_sticks_out(look: Look, name: str, width: int) -> None:
-    seen = look(name, width)
-    assert seen.probe["faults"] == []
-    assert seen.probe["requests"] == []
-    assert not re.search(r"CONSOLE.*(Uncaught|Refused|Error)", seen.log)
-    assert seen.probe["overflow"] <= 0
-    assert seen.probe["wide"] == []
-    assert seen.probe["panels"] >= (2 if "comparison" not in name else 0)
+def links(page: Any) -> list[str]:
+    return list(page.evaluate("[...document.querySelectorAll('a[href]')].map((one) => one.href)"))
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_every_link_resolves(look: Look, report: Path, name: str) -> None:
-    links = look(name, 1280).probe["links"]
-    assert len(links) > 5
-    for link in links:
+def test_every_link_resolves(look: Open, report: Path, name: str) -> None:
+    for link in links(look(name)):
         parts = urlsplit(link)
         if parts.scheme == "https":
             assert parts.netloc == "doi.org"
             continue
-        assert parts.scheme == "file", link
         target = Path(url2pathname(parts.path))
-        target = target.with_name(target.name.removeprefix(PROBED))
         assert target.is_file(), link
         assert not parts.fragment or f'id="{parts.fragment}"' in target.read_text(encoding="utf-8"), link
 
 
-def test_the_index_leads_to_every_page(look: Look, report: Path) -> None:
-    links = {urlsplit(link).path.rpartition("report/")[2] for link in look("index.html", 1280).probe["links"]}
-    assert {"woodworking.html", "comparison/index.html"} <= links
+def test_the_index_leads_to_every_page_and_every_page_back(look: Open, report: Path) -> None:
+    index = (report / "index.html").as_uri()
+    seen, ahead = set[str](), [index]
+    while ahead:
+        at = ahead.pop()
+        seen.add(at)
+        found = {
+            link.partition("#")[0]
+            for link in links(look(str(Path(url2pathname(urlsplit(at).path)).relative_to(report))))
+        }
+        assert index in found or at == index
+        ahead += [
+            link
+            for link in found
+            if link.endswith(".html") and link.startswith("file:") and link not in seen | set(ahead)
+        ]
+    assert seen == {path.as_uri() for path in report.rglob("*.html")}
 
 
-@pytest.mark.parametrize("name", PAGES)
-def test_every_table_with_buttons_sorts(look: Look, name: str) -> None:
-    tables = look(name, 1280).probe["tables"]
-    assert tables
-    for table in tables:
-        assert table["sorted"] in {"ascending", "descending"}
-        shown = [text for text in table["cells"] if text not in ("", "–")]
-        numbers = [number for number in map(plain_number, shown) if number is not None]
-        values = numbers if len(numbers) == len(shown) else [text.lower() for text in shown]
-        assert values == sorted(values, reverse=table["sorted"] == "descending"), table
-    assert max(len(set(table["cells"])) for table in tables) > (0 if name == "comparison/index.html" else 1)
+FIGURE = "document.querySelector('figure.is-live').figure"
 
 
-def plain_number(text: str) -> float | None:
-    """A number as the page shows it, in its base unit; None for other text."""
-    found = re.fullmatch(r"[+≈≥]?\s*([-−]?[\d\s.,]*\d(?:e[-+]?\d+)?)\s*(%|s|ms|µs|ns)?", text)
-    if found is None:
-        return None
-    return float(re.sub(r"[\s,]", "", found[1].replace("−", "-"))) * {"ms": 1e-3, "µs": 1e-6, "ns": 1e-9}.get(
-        found[2], 1.0
+@pytest.mark.parametrize("name", ["woodworking.html", "mine.html"])
+def test_one_cursor_over_position_velocity_acceleration_and_jerk(look: Open, name: str) -> None:
+    page = look(name)
+    plots = page.locator("figure.is-live").first.locator(".u-over")
+    assert plots.count() == 4
+    value = page.locator(".readout td").first
+    before = value.inner_text()
+    plots.nth(1).scroll_into_view_if_needed()
+    plots.nth(1).hover(position={"x": 60, "y": 50})
+    caption = page.locator(".readout caption").first.inner_text()
+    assert caption.startswith("At 0.")
+    assert value.inner_text() not in (before, "–")
+    places = page.evaluate(f"{FIGURE}.plots.map((plot) => plot.cursor.idx)")
+    assert len(set(places)) == 1
+    page.locator(".plots").first.press("ArrowRight")
+    assert page.evaluate(f"{FIGURE}.plots.map((plot) => plot.cursor.idx)")[0] > places[0]
+
+
+def test_values_under_the_cursor_are_those_of_the_motion(look: Open, report: Path) -> None:
+    page = look("mine.html")
+    page.locator("figure.is-live .u-over").first.hover(position={"x": 100, "y": 50})
+    index, time = page.evaluate(
+        f"[{FIGURE}.plots[0].cursor.idx, {FIGURE}.plots[0].data[0][{FIGURE}.plots[0].cursor.idx]]"
     )
+    shown = page.locator(".readout td").first.inner_text().replace("−", "-")
+    assert index > 0
+    rows = (report / "tables" / "mine" / "free-path.csv").read_text().splitlines()
+    samples = [[float(text) for text in row.split(",")[:2]] for row in rows if row[:1].isdigit()]
+    near = min(samples, key=lambda sample: abs(sample[0] - time))
+    assert float(shown) == pytest.approx(near[1], abs=0.05)
 
 
-def test_sorting_by_a_click_on_a_head(look: Look) -> None:
-    steps = look("woodworking.html", 1280).probe["steps"]
-    assert [step["sorted"] for step in steps] == ["ascending", "descending", "ascending", "ascending"]
-    assert all(step["focused"] and step["others"] == 1 for step in steps)
-    for step, (down, numeric) in zip(steps, [(False, True), (True, True), (False, False), (False, True)], strict=True):
-        for _, values in step["order"]:
+def test_methods_are_switched_on_and_off(look: Open) -> None:
+    page = look("woodworking.html")
+    button = page.locator(".readout button").nth(1)
+    shown = f"{FIGURE}.plots.map((plot) => plot.series[2].show)"
+    assert page.evaluate(shown) == [True] * 4
+    button.click()
+    assert page.evaluate(shown) == [False] * 4
+    assert button.get_attribute("aria-pressed") == "false"
+    button.press("Enter")
+    assert page.evaluate(shown) == [True] * 4
+    page.locator(".tabs button").nth(1).click()
+    assert page.evaluate(f"{FIGURE}.view") == 1
+
+
+def test_a_legend_switches_the_marks_of_a_static_figure(look: Open) -> None:
+    page = look("index.html")
+    entry = page.locator(".legend [data-k]").first
+    marks = page.locator(f".wide svg .k{entry.get_attribute('data-k')}")
+    assert marks.count()
+    entry.locator("button").click()
+    assert set(marks.evaluate_all("(all) => all.map((one) => getComputedStyle(one).display)")) == {"none"}
+    entry.locator("button").click()
+    assert "none" not in marks.evaluate_all("(all) => all.map((one) => getComputedStyle(one).display)")
+
+
+def test_marks_say_their_values(look: Open) -> None:
+    page = look("woodworking.html")
+    page.locator("#ladder ~ figure .wide [data-tip]").first.hover()
+    said = page.locator(".bubble").inner_text()
+    assert " s" in said
+    page.mouse.move(2, 2)
+    assert page.locator(".bubble").is_hidden()
+
+
+def column(page: Any, table: str, head: str) -> tuple[int, list[tuple[str, list[str]]]]:
+    heads = [text.strip() for text in page.locator(f"{table} thead th").all_inner_texts()]
+    at = heads.index(head)
+    script = """([table, at]) => [...document.querySelector(table).tBodies].map((body) => [body.className,
+      [...body.rows].filter((row) => !row.classList.contains("group") && !row.hidden).map((row) => row.cells[at].dataset.value ?? row.cells[at].textContent.trim())])"""
+    return at, [(name, values) for name, values in page.evaluate(script, [table, at])]
+
+
+@pytest.mark.parametrize(("head", "numeric"), [("Median, s", True), ("Wall", True), ("Gap", True), ("Method", False)])
+def test_sorting_puts_blanks_last_and_never_lifts_an_infeasible_method(look: Open, head: str, numeric: bool) -> None:
+    page = look("woodworking.html")
+    before = dict(column(page, "#results-table", head)[1])
+    at = column(page, "#results-table", head)[0]
+    for down in (False, True):
+        button = page.locator("#results-table thead th").nth(at).locator("button")
+        button.press("Enter")
+        groups = column(page, "#results-table", head)[1]
+        assert [name for name, _ in groups] == sorted(before, key=list(STANDINGS).index)
+        for name, values in groups:
+            assert sorted(values) == sorted(before[name])
             keys = [float(value) if numeric else value.lower() for value in values if value]
-            assert keys == sorted(keys, reverse=down), step["name"]
+            assert keys == sorted(keys, reverse=down)
             assert values[len(keys) :] == [""] * (len(values) - len(keys))
+        said = page.locator("#results [role=status], .scroll:has(#results-table) + [role=status]").first.inner_text()
+        assert said == f"Sorted by {head}, {'descending' if down else 'ascending'}, feasible methods first."
 
 
-def test_sorting_never_lifts_an_infeasible_method(look: Look) -> None:
-    steps = look("woodworking.html", 1280).probe["steps"]
-    groups = [[name for name, _ in step["order"]] for step in steps]
-    assert all(group == groups[0] for group in groups)
-    assert groups[0] == sorted(groups[0], key=list(STANDINGS).index)
-    members = [{name: sorted(values) for name, values in step["order"]} for step in steps[:2]]
-    assert members[0] == members[1]
+def test_wall_times_of_what_never_ran_are_blank(look: Open) -> None:
+    values = [value for _, group in column(look("woodworking.html"), "#results-table", "Wall")[1] for value in group]
+    assert "" in values
+    assert "0.0" not in values
 
 
-def test_a_screen_reader_hears_of_the_sorting(look: Look) -> None:
-    said = look("woodworking.html", 1280).probe["said"]
-    assert said == "Sorted by Limit use, ascending, feasible methods first."
+def test_rows_are_filtered(look: Open) -> None:
+    page = look("woodworking.html")
+    field = page.locator("label.filter:has(+ .scroll #results-table) input")
+    rows = page.locator("#results-table tbody tr:not(.group)")
+    everything = rows.count()
+    field.fill("PSO shared")
+    shown = [row for row in rows.all() if row.is_visible()]
+    assert 0 < len(shown) < everything
+    assert all("pso" in row.inner_text().lower() for row in shown)
+    assert page.get_by_text(f"{len(shown)} of {everything} rows shown.").count() == 1
+    field.fill("")
+    assert all(row.is_visible() for row in rows.all())
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_the_head_of_a_long_table_stays_in_sight(look: Open, width: int) -> None:
+    page = look("woodworking.html", width)
+    page.locator("#results-table tbody tr").last.scroll_into_view_if_needed()
+    head, place = (
+        page.locator(one).bounding_box() for one in ("#results-table thead th.method", ".scroll:has(#results-table)")
+    )
+    top = 0 if width == 1280 else place["y"]  # of the window, or of the part that scrolls where the table is too wide
+    assert head["y"] == pytest.approx(top, abs=1)
+    assert place["height"] < 900 or width == 1280
+
+
+def test_dark_and_light_have_their_own_colours(look: Open) -> None:
+    grounds, strokes = [], []
+    for scheme in ("light", "dark"):
+        page = look("woodworking.html", color_scheme=scheme)
+        grounds.append(page.evaluate("getComputedStyle(document.body).backgroundColor"))
+        strokes.append(page.evaluate(f"{FIGURE}.plots[0].series[1].stroke({FIGURE}.plots[0], 1)"))
+    page.emulate_media(color_scheme="light")
+    page.wait_for_function(f"{FIGURE}.plots[0].series[1].stroke({FIGURE}.plots[0], 1) === '{strokes[0]}'")
+    assert grounds == ["rgb(255, 255, 255)", "rgb(20, 23, 27)"]
+    assert strokes[0] != strokes[1]
+
+
+@pytest.mark.parametrize("name", ["index.html", "woodworking.html", "mine.html"])
+def test_paper_shows_the_static_figures_and_no_controls(look: Open, name: str) -> None:
+    page = look(name, color_scheme="dark")
+    page.emulate_media(media="print")
+    assert not page.locator(".live:visible, .filter:visible").count()
+    assert page.locator("svg[role=img]:visible").count()
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    assert len(page.pdf()) > 20_000
+
+
+@pytest.mark.parametrize("name", ["index.html", "woodworking.html", "mine.html", "comparison/targets.html"])
+def test_without_scripts_everything_is_there(look: Open, name: str) -> None:
+    page = look(name, java_script_enabled=False)
+    assert page.locator("svg[role=img]:visible").count()
+    assert page.locator("tbody tr:visible").count()
+    assert not page.locator("button, input, .live").count()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("name", PAGES)
+def test_nothing_keeps_anybody_out(look: Open, name: str, scheme: str) -> None:
+    """No fault that axe-core calls serious or critical, with everything unfolded."""
+    page = look(name, color_scheme=scheme)
+    page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
+    found = axe.Axe().run(page).response["violations"]
+    serious = [(one["id"], one["nodes"][0]["html"][:200]) for one in found if one["impact"] in ("serious", "critical")]
+    assert serious == []
+
+
+def test_case_pages_are_small(report: Path) -> None:
+    assert max(path.stat().st_size for path in report.rglob("*.html")) < MOST_BYTES

@@ -5,9 +5,9 @@ const make = (tag, properties = {}, ...children) => {
   made.append(...children);
   return made;
 };
-const kept = (text) => text.trim().replace(/^–$/, "");
+const kept = (text) => text.trim().replace(/^(–|·|never|no limit|not judged)$/, "");
 const number = (text) => {
-  const found = /^[+≈≥]?\s*([-−]?[\d\s.,]*\d(?:e[-+]?\d+)?)\s*(%|s|ms|µs|ns)?$/.exec(text);
+  const found = /^[+≈≥]?\s*([-−]?[\d\s.,]*\d(?:e[-+]?\d+)?)\s*(%|s|ms|µs|ns)?(\s*\(.*\))?$/.exec(text);
   return found ? Number(found[1].replace("−", "-").replace(/[\s,]/g, "")) * ({ ms: 1e-3, "µs": 1e-6, ns: 1e-9 }[found[2]] ?? 1) : NaN;
 };
 
@@ -275,4 +275,5 @@ const dots = (u, panel) => {
   ctx.restore();
 };
 
-if (window.uPlot) for (const place of document.querySelectorAll("figure:has(> script[type='application/json'])")) new Figure(place);
+if (window.uPlot) document.documentElement.classList.add("scripted");
+if (window.uPlot) for (const place of document.querySelectorAll("figure:has(> script[type='application/json'])")) place.figure = new Figure(place);
