@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from baselines.closed_forms import rest_to_rest_time, three_limit_time
-from baselines.path_timing.straight import Change, Straight
+from baselines.path_timing.polyline import Change
+from baselines.path_timing.straight import Straight
 from study import EndCondition, JointLimits, Problem, judge
 from study.planning import RunSettings, Status
 from study.problem import StraightPath, Tube
