@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
 from typing import Annotated
 
 import typer
+from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from study.bounds import Method, kind_of
+from study.cases.ledger import Entry
 from study.cases.ledger import ledger as ledger_entries
-from study.cases.library import case_names, load_case
+from study.cases.library import Case, case_names, load_case
 from study.cases.suites import Suite, suite_named, suite_names
 from study.cli import terminal
 from study.cli.screen import SafeConsole, fitted, make_console
@@ -42,7 +46,7 @@ def list_all(
             f"{plural(len(cases), 'case')}, {sum(case.default for case in cases)} of them in the default run; "
             f"{plural(len(names), 'planner')} and bounds, {len({*defaults})} of them in the default run"
         )
-        console.print(terminal.cases_table(console, cases), terminal.planners_table(console, entries, defaults))
+        console.print(cases_table(console, cases), planners_table(console, entries, defaults))
 
 
 def _suites_table(console: SafeConsole, suites: Iterable[Suite]) -> Table:
@@ -72,7 +76,7 @@ def ledger(paper: Annotated[str | None, typer.Option(help="Key of one paper; all
     kinds = Counter(entry.kind for entry in entries)
     with console.paged():
         console.print(f"{len(entries)} entries by kind: {', '.join(f'{kind} {kinds[kind]}' for kind in sorted(kinds))}")
-        console.print(*terminal.ledger_lines(entries), sep="\n")
+        console.print(*ledger_lines(entries), sep="\n")
 
 
 @cases_app.callback()
@@ -86,3 +90,64 @@ def show_case(name: Annotated[str, typer.Argument(metavar="NAME", help="Name or 
     console = make_console()
     with console.paged():
         console.print(*terminal.case_tables(console, load_case(name)))
+
+
+def cases_table(console: Console, cases: Iterable[Case]) -> Table:
+    """Table of cases; those of the default run are marked, variants stand indented under their case."""
+    rows = [
+        (
+            "  " * bool(case.variant_of) + case.name,
+            "yes" if case.default else "",
+            Text(case.title),
+            case.limits_label,
+            str(case.problem.n_waypoints),
+            str(case.problem.n_joints),
+            case.curve,
+            case.planner,
+        )
+        for case in cases
+    ]
+    return fitted(
+        console,
+        "Cases",
+        ("name", "default", "description", "limits", "waypoints", "joints", "curve", "paper's planner"),
+        rows,
+        left=("name", "default", "curve", "paper's planner"),
+        wraps=("description", "limits"),
+        gives_way=("limits", "joints", "waypoints", "curve", "paper's planner"),
+    )
+
+
+def planners_table(console: Console, entries: Sequence[tuple[str, Method | str]], defaults: Iterable[str]) -> Table:
+    """Table of planners and bounds; one that cannot be loaded shows the reason."""
+    taken = set(defaults)
+    rows: list[tuple[str | Text, ...]] = []
+    for name, method in entries:
+        broken = isinstance(method, str)
+        kind, freedom, about = (
+            ("not available", "", method)
+            if isinstance(method, str)
+            else (kind_of(method), method.freedom, method.about)
+        )
+        rows.append((name, "yes" if name in taken else "", kind, freedom, Text(about, style="red" if broken else "")))
+    return fitted(
+        console,
+        "Planners",
+        ("name", "default", "kind", "may change", "how it works"),
+        rows,
+        left=("name", "default", "kind", "may change"),
+        wraps=("how it works",),
+        gives_way=("may change", "kind", "default"),
+    )
+
+
+def ledger_lines(entries: Iterable[Entry]) -> Iterator[Text]:
+    """The ledger paper by paper, each entry in a few lines."""
+    for paper, group in groupby(entries, key=lambda entry: entry.paper):
+        yield Text(f"\n{paper}", style="bold underline")
+        for entry in group:
+            yield Text(f"\n{entry.place} ({entry.kind})", style="bold")
+            parts = {"printed": entry.printed, "problem": entry.problem, "reading": entry.reading}
+            for name, text in (parts | {"consequence": entry.consequence}).items():
+                if text:
+                    yield Text.assemble((f"{name}: ", "dim"), text)

@@ -11,6 +11,15 @@ from typing import Any, Literal
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console, ConsoleOptions, RenderableType
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
@@ -146,6 +155,21 @@ def _least_width(
             width = max(line.cell_len for text in cells for line in text.split())
             total += 3 + (min(width, WORD) if name in wraps else width)
     return total
+
+
+def progress_bar(console: Console) -> Progress:
+    """Build the live display of a run."""
+    return Progress(
+        SpinnerColumn(),
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        console=console,
+        transient=False,
+    )
 
 
 def complain(sentence: object) -> None:

@@ -15,8 +15,8 @@ from rich.console import Console
 
 from study.analysis.case_summary import CaseSummary, summarise
 from study.cases.library import Case, load_case
-from study.cli import terminal
-from study.cli.screen import SafeConsole
+from study.cli import run_tables
+from study.cli.screen import SafeConsole, progress_bar
 from study.errors import Interrupted, StudyError
 from study.io.filenames import file_stem
 from study.runs.dask import dask_executor
@@ -135,7 +135,7 @@ def run_missing(
     missing = list(jobs) if workers.fresh else store.missing(jobs)
     console.print(f"{len(jobs)} {word}, {len(jobs) - len(missing)} of them stored already")
     done = 0
-    with terminal.progress(console) as progress:
+    with progress_bar(console) as progress:
         task = progress.add_task("running", total=len(missing))
 
         def finished(job: Job[Any], outcome: Any) -> None:
@@ -209,11 +209,13 @@ def show(
         files |= {"report": page, "recordings": recordings}
     with console.paged():
         if len(summaries) > 1:
-            console.print(*terminal.answer_lines(summaries), sep="\n")
-            console.print(terminal.answer_table(console, summaries))
+            console.print(*run_tables.answer_lines(summaries), sep="\n")
+            console.print(run_tables.answer_table(console, summaries))
         if details or len(summaries) == 1:
             for summary in summaries:
-                console.print(terminal.methods_table(console, summary, flagged), *terminal.reasons(summary), sep="\n")
+                console.print(
+                    run_tables.methods_table(console, summary, flagged), *run_tables.reasons(summary), sep="\n"
+                )
         for name, path in files.items():
             console.print(f"{name}: {path}")
         if with_report:

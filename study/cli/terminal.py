@@ -1,37 +1,19 @@
-"""Terminal output of the command `study`: tables and progress."""
+"""Tables of a case and of one motion on the terminal: limits, waypoints, verdict, and whether it may be driven."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from itertools import groupby
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.cells import cell_len
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    SpinnerColumn,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 from rich.table import Table
 from rich.text import Text
 
 from study.analysis.arm_uses import arm_uses
-from study.analysis.case_summary import CaseSummary
-from study.analysis.ends import end_steps
-from study.analysis.featured import IN_ORDER, ROLE_NAMES
-from study.analysis.formatting import DASH, figures, percent, seconds, share, wall
-from study.analysis.methods import Kind, MethodSummary, Standing
-from study.analysis.palette import terminal_color
-from study.analysis.sentences import answer
-from study.bounds import Method, kind_of
-from study.cases.ledger import Entry
+from study.analysis.formatting import DASH
 from study.cases.library import Case
 from study.cases.obstacles import DRIVEN, Nearest
 from study.cautions import ends_said
@@ -44,148 +26,6 @@ MOST_ROWS = 40
 
 EDGE_ROWS = 8
 """Rows at the beginning and at the end of a longer one that are printed."""
-
-
-def progress(console: Console) -> Progress:
-    """Build the live display of a run."""
-    return Progress(
-        SpinnerColumn(),
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-        console=console,
-        transient=False,
-    )
-
-
-NOTE = (
-    "path: what a method may change; times on different paths answer different questions. gap: above the shortest "
-    "feasible duration known, on whatever path; above bound: above what no motion through the waypoints can undercut."
-)
-
-
-FLAGGED = "⚑: its result depends on where in its box the optimum stands (`study compare`)."
-
-
-def answer_lines(summaries: Sequence[CaseSummary]) -> Iterator[str]:
-    """The answer of the study in a few sentences."""
-    budgets = [summary.case.settings.evaluations for summary in summaries]
-    for sentence in answer([summary.best for summary in summaries], budgets):
-        yield f"• {sentence}"
-
-
-def answer_table(console: Console, summaries: Sequence[CaseSummary]) -> Table:
-    """Table with a row for each case: durations in s of the best method of every role."""
-    heads = [ROLE_NAMES[role] for role in IN_ORDER]
-    rows: list[list[str | Text]] = []
-    for summary in summaries:
-        best = summary.best
-        cells: list[str | Text] = [summary.case.name + " †" * best.velocity_only]
-        for role in IN_ORDER:
-            method = getattr(best, role)
-            text = figures(method.duration) if method is not None else DASH
-            if method is not None and (behind := best.behind(method)) is not None:
-                text += f"\n{percent(behind)}"
-            cells.append(text)
-        rows.append(cells)
-    marked = "†: limits velocity only, so off its curve a motion may change its speed in an instant."
-    return fitted(
-        console,
-        "Durations in s",
-        ("case", *heads),
-        rows,
-        left=("case",),
-        gives_way=(ROLE_NAMES["free"], ROLE_NAMES["fixed"], ROLE_NAMES["own"], ROLE_NAMES["published"]),
-        notes=(marked,) * any(summary.best.velocity_only for summary in summaries),
-    )
-
-
-METHOD_HEADS = (
-    "method",
-    "path",
-    "duration (s)",
-    "gap",
-    "above bound",
-    "feasible",
-    "worst ratio",
-    "evaluations",
-    "wall (s)",
-)
-
-
-def methods_table(console: Console, summary: CaseSummary, flags: Collection[str] = ()) -> Table:
-    """Table of one case: every method, feasible ones first; `flags` get a mark."""
-    case = summary.case
-    return fitted(
-        console,
-        f"{case.name}: {case.title} (limits: {case.limits_label})",
-        METHOD_HEADS,
-        [_method_row(summary, method, method.planner in flags) for method in summary.methods],
-        left=("method", "path"),
-        gives_way=("wall (s)", "above bound", "path", "evaluations", "worst ratio"),
-        styles=[
-            "bold" if method.kind is Kind.BOUND else "" if method.feasible else "red" for method in summary.methods
-        ],
-        notes=(*_apart(summary), NOTE, *[FLAGGED] * bool(flags)),
-    )
-
-
-def reasons(summary: CaseSummary) -> Iterator[str]:
-    """Why methods are infeasible, each reason once, with the methods."""
-    named: dict[str, list[str]] = {}
-    for method in summary.methods:
-        if method.reason:
-            named.setdefault(method.reason, []).append(method.label)
-    for reason, labels in named.items():
-        yield f"{', '.join(labels)}: {reason}"
-    for method in summary.whole:
-        if not summary.clear(method):
-            yield f"{method.label}: {summary.driving[method.label]}"
-
-
-def _apart(summary: CaseSummary) -> Iterator[str]:
-    """Lines that tell the searches apart, each with its time against the optimum, its evaluations and its wall time."""
-    for role, method in summary.best.on_the_curve():
-        behind = summary.best.behind(method)
-        against = "" if behind is None else f" ({percent(behind)})"
-        spent = f"{method.evaluations:,} evaluations, " if method.kind is Kind.SEARCH else ""
-        yield f"{role}: {method.label}, {seconds(method.duration)}{against}, {spent}{wall(method.wall_time)}"
-    if text := end_steps(summary):
-        yield text
-
-
-def _method_row(summary: CaseSummary, method: MethodSummary, flagged: bool) -> tuple[str | Text, ...]:
-    bound = method.kind is Kind.BOUND
-    color = terminal_color(summary.slots[method.label]) if method.feasible and method.joint is None else ""
-    return (
-        Text(method.label + " ⚑" * (flagged and method.kind is Kind.SEARCH), style=color),
-        "any" if bound else (method.freedom or "").removesuffix(" path"),
-        f"≥ {figures(method.bound)}" if bound else _duration_text(method),
-        percent(method.gap, signed=False),
-        percent(method.above_bound, signed=False),
-        _share(method),
-        share(method.worst_ratio),
-        f"{method.evaluations:,}" if method.evaluations else DASH,
-        DASH if method.kind is Kind.PUBLISHED else f"{method.wall_time:.3g}",
-    )
-
-
-def _duration_text(method: MethodSummary) -> str:
-    if method.standing is Standing.UNJUDGED and method.claimed is not None:
-        return f"({method.claimed:g})"
-    return figures(method.duration)
-
-
-def _share(method: MethodSummary) -> str:
-    said = {Standing.BOUND: "bound", Standing.UNJUDGED: "not judged", Standing.INAPPLICABLE: "n/a"}
-    if method.standing in said:
-        return said[method.standing]
-    if method.runs == 1:
-        return "yes" if method.feasible else "no"
-    return f"{method.feasible_runs} of {method.runs}"
 
 
 def times_text(times: Sequence[float] | Floats, duration: float) -> str:
@@ -258,55 +98,6 @@ def verdict_table(console: Console, problem: Problem, verdict: Verdict) -> Table
     )
 
 
-def cases_table(console: Console, cases: Iterable[Case]) -> Table:
-    """Table of cases; those of the default run are marked, variants stand indented under their case."""
-    rows = [
-        (
-            "  " * bool(case.variant_of) + case.name,
-            "yes" if case.default else "",
-            Text(case.title),
-            case.limits_label,
-            str(case.problem.n_waypoints),
-            str(case.problem.n_joints),
-            case.curve,
-            case.planner,
-        )
-        for case in cases
-    ]
-    return fitted(
-        console,
-        "Cases",
-        ("name", "default", "description", "limits", "waypoints", "joints", "curve", "paper's planner"),
-        rows,
-        left=("name", "default", "curve", "paper's planner"),
-        wraps=("description", "limits"),
-        gives_way=("limits", "joints", "waypoints", "curve", "paper's planner"),
-    )
-
-
-def planners_table(console: Console, entries: Sequence[tuple[str, Method | str]], defaults: Iterable[str]) -> Table:
-    """Table of planners and bounds; one that cannot be loaded shows the reason."""
-    taken = set(defaults)
-    rows: list[tuple[str | Text, ...]] = []
-    for name, method in entries:
-        broken = isinstance(method, str)
-        kind, freedom, about = (
-            ("not available", "", method)
-            if isinstance(method, str)
-            else (kind_of(method), method.freedom, method.about)
-        )
-        rows.append((name, "yes" if name in taken else "", kind, freedom, Text(about, style="red" if broken else "")))
-    return fitted(
-        console,
-        "Planners",
-        ("name", "default", "kind", "may change", "how it works"),
-        rows,
-        left=("name", "default", "kind", "may change"),
-        wraps=("how it works",),
-        gives_way=("may change", "kind", "default"),
-    )
-
-
 def case_tables(console: Console, case: Case) -> list[Table]:
     """Tables of one case: where its numbers come from, its waypoints and its limits."""
     facts = Table(title=f"{case.name}: {case.title}", title_justify="left", show_header=False)
@@ -328,18 +119,6 @@ def case_tables(console: Console, case: Case) -> list[Table]:
     for note in case.notes:
         facts.add_row("note", note)
     return [facts, *_waypoints_tables(console, case), _limits_table(console, case)]
-
-
-def ledger_lines(entries: Iterable[Entry]) -> Iterator[Text]:
-    """The ledger paper by paper, each entry in a few lines."""
-    for paper, group in groupby(entries, key=lambda entry: entry.paper):
-        yield Text(f"\n{paper}", style="bold underline")
-        for entry in group:
-            yield Text(f"\n{entry.place} ({entry.kind})", style="bold")
-            parts = {"printed": entry.printed, "problem": entry.problem, "reading": entry.reading}
-            for name, text in (parts | {"consequence": entry.consequence}).items():
-                if text:
-                    yield Text.assemble((f"{name}: ", "dim"), text)
 
 
 def _waypoints_tables(console: Console, case: Case) -> Iterator[Table]:

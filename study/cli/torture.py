@@ -11,8 +11,7 @@ import typer
 from rich.table import Table
 
 from study.api import TIERS
-from study.cli import terminal
-from study.cli.screen import make_console
+from study.cli.screen import make_console, progress_bar
 from study.cli.shared import Jobs, names_in
 from study.errors import Interrupted, StudyError
 from study.registry import planner_named
@@ -51,7 +50,7 @@ def torture(
     if jobs < 1:
         raise StudyError(f"the number of jobs must be at least 1, got {jobs}")
     console, counts, instants = make_console(), {name: Counter[str]() for name in names}, 0
-    with terminal.progress(console) as progress:
+    with progress_bar(console) as progress:
         task = progress.add_task("running", total=problems * len(names))
 
         def finished(end: AttemptEnd) -> None:
@@ -80,7 +79,7 @@ def torture(
 def _compare(motions: int, seed: int, jobs: int) -> None:
     """Print how the judge and the second judge agree; ends with 3 if they differ."""
     console = make_console()
-    with terminal.progress(console) as progress:
+    with progress_bar(console) as progress:
         task = progress.add_task("judging twice", total=motions)
         agreement = compare_judges(motions, seed, jobs, lambda done: progress.advance(task, done))
     table = Table(title=f"{motions:,} motions, seed {seed}, judged twice", title_justify="left", header_style="bold")

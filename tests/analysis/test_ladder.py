@@ -11,7 +11,7 @@ from study.analysis.case_summary import CaseSummary, summarise_case
 from study.analysis.ladder import CauseKind
 from study.analysis.methods import Kind, lower_bound
 from study.cases.library import load_case
-from study.cli import terminal
+from study.cli import run_tables
 from study.planning import Freedom
 from study.runs.execute import CellJob
 from study.runs.lineup import AS_IN_PAPER, Budget, Spec, make_cells
@@ -108,7 +108,7 @@ def test_a_weak_bound_on_the_curve_gives_way_to_that_on_any_motion() -> None:
 
 def test_the_terminal_table_says_path_limits_and_bound(woodworking: CaseSummary) -> None:
     console = Console(width=200, file=io.StringIO())
-    console.print(terminal.methods_table(console, woodworking))
+    console.print(run_tables.methods_table(console, woodworking))
     text = console.file.getvalue()  # type: ignore[attr-defined]
     assert "(limits: published)" in text
     lines = {words[0]: words[1:] for line in text.splitlines() if len(words := line.replace("│", " ").split()) > 2}

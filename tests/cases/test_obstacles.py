@@ -13,7 +13,7 @@ from study.cases import obstacles
 from study.cases.library import load_case
 from study.cases.obstacles import may_be_driven, nearest
 from study.cli.check import report_verdict
-from study.cli.terminal import reasons
+from study.cli.run_tables import reasons
 from study.pathfinding.world import segment_distances
 from study.planning import RunSettings
 from study.recording.contents import Contents
