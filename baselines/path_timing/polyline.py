@@ -1,4 +1,4 @@
-"""Straight lines from waypoint to waypoint and the blends at their corners; `baselines.path_timing.straight` says how."""
+"""Straight lines from waypoint to waypoint and the blends at their corners, for `baselines.path_timing.straight`."""
 
 from __future__ import annotations
 
