@@ -26,14 +26,14 @@ def pictures(
     ] = None,
     out: Out = DEFAULT_OUT,
 ) -> None:
-    """Draw pictures of stored results: the ladder, one joint's profiles and the viewer's first look."""
+    """Draw pictures of stored results: the ladder, one joint's profiles, the viewer's first look and its arms, moving."""
     cases, _, results = last_run(out)
     if case not in cases:
         raise StudyError(f"the last run in {out} was not of case {case!r}; it was of {', '.join(cases)}")
     if joint > cases[case].problem.n_joints:
         raise StudyError(f"case {case!r} has {cases[case].problem.n_joints} joints, got joint {joint}")
     summaries = {each.case.name: each for each in summarise(cases, results)}
-    from study.recording import picture, record_case
+    from study.recording import moving_picture, picture, record_case
     from study.report.pictures import (  # here: matplotlib and rerun are slow to import
         midway,
         pictures_of,
@@ -49,5 +49,7 @@ def pictures(
     contents = pictures_of(summaries[case], joint - 1)
     recording = record_case(summaries[case], recording_file(out, case))
     contents["viewer.png"] = small(picture(recording, midway(summaries[case])))
+    if cases[case].robot is not None:
+        contents["arms.gif"] = moving_picture(summaries[case])
     for path in write_pictures(folder, case, contents):
         make_console().print(str(path))

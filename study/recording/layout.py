@@ -78,12 +78,23 @@ def _overview(contents: Contents, scene: Scene | None) -> rrb.Container:
     if scene is None:
         arms: Part = rrb.TextDocumentView(name="No arm", origin="no_arm")
     else:
-        first = [_arm(each, scene.first, scene) for each in contents.first_look]
-        arms = rrb.Grid(*first, grid_columns=min(3, (len(first) + 1) // 2))
+        arms = _first_arms(contents, scene)
     shares = [0.6 if scene is not None else 0.2, height, 0.4 if scene is not None else 0.8]
     return rrb.Horizontal(
         words, rrb.Vertical(arms, key, plots, row_shares=shares), column_shares=[2, 3], name="Overview"
     )
+
+
+def arms_alone(contents: Contents, scene: Scene) -> rrb.Blueprint:
+    """Lay out the first look's arms, and nothing else."""
+    panels = rrb.BlueprintPanel(state="hidden"), rrb.SelectionPanel(state="hidden"), rrb.TopPanel(state="hidden")
+    time = rrb.TimePanel(timeline=TIMELINE, state="hidden", play_state="paused")
+    return rrb.Blueprint(_first_arms(contents, scene), *panels, time, auto_layout=False, auto_views=False)
+
+
+def _first_arms(contents: Contents, scene: Scene) -> rrb.Grid:
+    first = [_arm(each, scene.first, scene) for each in contents.first_look]
+    return rrb.Grid(*first, grid_columns=min(3, (len(first) + 1) // 2))
 
 
 def _clearance(only: Sequence[Shown]) -> rrb.TimeSeriesView:

@@ -110,12 +110,12 @@ def headless(recording: Path, size: tuple[int, int] = (1920, 1080)) -> Iterator[
         yield client
 
 
-def settled_picture(client: ViewerClient, patience: float = 30.0) -> bytes:
+def settled_picture(client: ViewerClient, patience: float = 30.0, pause: float = 0.3) -> bytes:
     """Picture of the whole viewer once two in a row agree; data is loaded while it paints."""
     deadline = clock.monotonic() + patience
     last, picture = b"", client.take_screenshot()
     while picture != last and clock.monotonic() < deadline:
-        clock.sleep(0.3)
+        clock.sleep(pause)
         last, picture = picture, client.take_screenshot()
     return picture
 

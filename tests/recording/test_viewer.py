@@ -5,17 +5,20 @@ from __future__ import annotations
 import subprocess
 import time
 import zlib
+from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from PIL import Image
 from rerun.experimental import ViewerClient
 
 from study.analysis.case_summary import summarise_case
 from study.cases.library import case_names, load_case
 from study.errors import StudyError
-from study.recording import live_recording, process, record_case, screenshot, view, viewer
+from study.recording import live_recording, moving_picture, process, record_case, screenshot, view, viewer
 from study.recording.contents import NANOSECOND, gather
 from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
@@ -189,6 +192,24 @@ def test_results_arrive_in_an_open_viewer() -> None:
         assert viewer.complaints(client) == []
         with pytest.raises(StudyError, match=r"got a result of case 'woodworking'"):
             live.add(load_case("puma560"), some_results(case)[0])
+
+
+@can_draw
+@pytest.mark.timeout(120)
+def test_arms_move_side_by_side_in_a_picture() -> None:
+    case = load_case("woodworking")
+    summary = summarise_case(case, some_results(case))
+    image = Image.open(BytesIO(moving_picture(summary, frames=3)))
+    frames = []
+    for k in range(image.n_frames):
+        image.seek(k)
+        frames.append(np.asarray(image.convert("RGB")).astype(int))
+    assert (image.n_frames, image.info["loop"]) == (3, 0)
+    changed = [(np.abs(frames[k + 1] - frames[k]).max(axis=2) > 40).mean() for k in range(2)]
+    assert min(changed) > 1e-3
+    assert (np.ptp(frames[1], axis=2) > 60).mean() > 5e-3
+    with pytest.raises(StudyError, match=r"has no robot"):
+        moving_picture(summarise_case(replace(case, robot=None), some_results(case)))
 
 
 def test_live_recording_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
