@@ -6,12 +6,16 @@ import ast
 import html
 import json
 import re
+from functools import cache
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from latex2mathml.converter import convert
+from mkdocs.structure.files import File, Files
 
+from study import JointLimits, Planned, Problem, plan
 from study.bench import figures, wording
 from study.bench.run import read
 from study.bounds import kind_of
@@ -29,6 +33,8 @@ def on_page_markdown(markdown: str, **kwargs: Any) -> str:
         "fields": _fields,
         "bench": _bench,
         "rooms": _rooms,
+        "card": lambda: _example()._repr_html_(),
+        "plot": lambda: _example().plot("elbow")._repr_svg_(),
     }.items():
         if f"<!-- {mark} -->" in markdown:
             markdown = markdown.replace(f"<!-- {mark} -->", part())
@@ -43,6 +49,21 @@ def on_page_markdown(markdown: str, **kwargs: Any) -> str:
 def _formula(latex: str, display: str) -> str:
     """MathML, which browsers draw by themselves: nothing is fetched."""
     return convert(" ".join(latex.split()), display=display).replace("\n", " ")
+
+
+def on_files(files: Files, config: Any, **kwargs: Any) -> Files:
+    """Let the pages show the pictures that stand beside them."""
+    for path in sorted((Path(__file__).parent / "pictures").iterdir()):
+        files.append(File.generated(config, f"pictures/{path.name}", abs_src_path=str(path)))
+    return files
+
+
+@cache
+def _example() -> Planned:
+    """Plan two joints through four waypoints, in milliseconds."""
+    waypoints = np.array([[0.0, 0.2], [0.5, -0.1], [0.9, 0.3], [1.4, 0.1]])
+    limits = JointLimits(np.array([1.0, 0.8]), np.array([2.0, 1.5]), np.array([20.0, 15.0]))
+    return plan(Problem("mine", waypoints, limits, joint_names=["base", "elbow"]), "fast")
 
 
 def on_post_build(config: Any, **kwargs: Any) -> None:

@@ -143,6 +143,11 @@ def test_an_installed_wheel_runs_from_another_folder(wheel, tmp_path):
     assert (tmp_path / "study-output" / "results.sqlite").exists()
 
 
+def test_every_extra_is_described():
+    page = (ROOT / "docs" / "pages" / "installation.md").read_text()
+    assert not {name for name in PROJECT["optional-dependencies"] if f"`{name}`" not in page}
+
+
 def test_the_readme_counts_the_committed_verdicts_and_the_citation_names_this_version():
     assert f"<!-- papers -->\n{papers_in_markdown()}\n<!-- /papers -->" in README
     assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == PROJECT["version"]
