@@ -155,8 +155,8 @@ def _close_brackets(coefficients: Floats, slope: Floats, low: Floats, high: Floa
         f = value(coefficients, u)
         left = (f < 0) == rising
         low, high = np.where(left, u, low), np.where(left, high, u)
-        newton = u - f / value(slope, u)
-        inside = (newton > low) & (newton < high)
+        newton = np.where(f == 0, u, u - f / value(slope, u))
+        inside = (newton >= low) & (newton <= high)  # at a root the step ends on the bracket, and so it may
         following = np.where(inside, newton, 0.5 * (low + high))
         settled = np.abs(following - u) <= 4e-16 + 1e-15 * np.abs(u)
         u = following

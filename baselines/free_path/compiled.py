@@ -193,12 +193,15 @@ def prepare(
 def finish(
     least: float, counts: Integers, shifts: tuple[float, float], given: tuple[Floats, ...], out: tuple[Floats, ...]
 ) -> None:
-    """Eliminate all blocks with a regularisation; `out` is filled, and its first part holds Hyy before the call."""
+    """Eliminate all blocks with a regularisation; `out` is filled, and its first part holds Hyy before the call.
+
+    The projection N is kept as its factor Z L^-T.
+    """
     cross, outer, feasible, basis, hessians = given
-    inner, projected, follow, reduced = out
+    inner, half, follow, reduced = out
     first, growth = shifts
     ny = inner.shape[2]
-    factor, half, right = np.empty((ny, ny)), np.empty((ny, ny)), np.empty((ny, SHARED))
+    factor, right, image = np.empty((ny, ny)), np.empty((ny, SHARED)), np.empty((ny, SHARED))
     for i in range(inner.shape[0]):
         for j in range(inner.shape[1]):
             count = counts[j]
@@ -209,41 +212,57 @@ def finish(
                     shift *= growth
                 shift = max(2 * shift, least)
                 factored(hessians[i, j], shift, nn, factor)
-            own = inner[i, j]
+            own, root = inner[i, j], half[i, j]
             for p in range(ny if nn else 0):
                 own[p, p] += shift
-            for p in range(ny):  # half = Z L^-T
+            for p in range(ny):
                 for q in range(nn):
                     total = basis[i, j, p, count + q]
                     for r in range(q):
-                        total -= half[p, r] * factor[q, r]
-                    half[p, q] = total / factor[q, q]
-            for p in range(ny):
-                for q in range(p + 1):
-                    total = 0.0
-                    for r in range(nn):
-                        total += half[p, r] * half[q, r]
-                    projected[i, j, p, q] = total
-                    projected[i, j, q, p] = total
-            _reduce(
-                own, cross[i, j], outer[i, j], feasible[i, j], projected[i, j], (follow[i, j], reduced[i, j], right)
-            )
+                        total -= root[p, r] * factor[q, r]
+                    root[p, q] = total / factor[q, q]
+                root[p, nn:] = 0.0
+            out_of = follow[i, j], reduced[i, j], right, image
+            _reduce(own, cross[i, j], outer[i, j], feasible[i, j], root[:, :nn], out_of)
 
 
 @kernel
 def _reduce(
-    inner: Floats, cross: Floats, outer: Floats, feasible: Floats, projected: Floats, out: tuple[Floats, Floats, Floats]
+    inner: Floats,
+    cross: Floats,
+    outer: Floats,
+    feasible: Floats,
+    root: Floats,
+    out: tuple[Floats, Floats, Floats, Floats],
 ) -> None:
-    """Y and the share in the reduced Hessian of one block."""
-    follow, reduced, right = out
+    """Y and the share in the reduced Hessian of one block.
+
+    With F = -P Et, W = Hyt + Hyy F and G = (Z L^-T)' W these are F - Z L^-T G and Htt + F' W + Hyt' F - G' G.
+    """
+    follow, reduced, right, image = out
     multiply(inner, feasible, 1.0, right)
     right += cross
-    multiply(projected, right, -1.0, follow)
-    follow += feasible
-    multiply(inner, follow, 1.0, right)
-    right += cross
+    nn = root.shape[1]
+    image[:nn] = 0.0
+    for p in range(len(root)):
+        for r in range(nn):
+            value = root[p, r]
+            for a in range(SHARED):
+                image[r, a] += value * right[p, a]
+    for p in range(len(root)):
+        follow[p] = feasible[p]
+        for r in range(nn):
+            value = root[p, r]
+            for a in range(SHARED):
+                follow[p, a] -= value * image[r, a]
     reduced[:] = outer
     for p in range(len(inner)):
         for a in range(SHARED):
+            left, beside = feasible[p, a], cross[p, a]
             for b in range(SHARED):
-                reduced[a, b] += follow[p, a] * right[p, b] + cross[p, a] * follow[p, b]
+                reduced[a, b] += left * right[p, b] + beside * feasible[p, b]
+    for r in range(nn):
+        for a in range(SHARED):
+            value = image[r, a]
+            for b in range(SHARED):
+                reduced[a, b] -= value * image[r, b]

@@ -62,20 +62,30 @@ class Blocks:
     follow: Floats
     reduced: Floats
 
-    def particular(self, right: Floats, errors: Floats) -> Floats:
-        """y0 for right sides of shape (..., n_inner) and what is left of the equations, shape (..., 3)."""
-        feasible = -_times(self.inverse, errors)
-        return feasible + _times(self.projected, right - _times(self.inner, feasible))
+    def begin(self, right: Floats, errors: Floats) -> tuple[Floats, Floats]:
+        """y0, and the blocks' shares in the right side of the reduced system.
 
-    def onto_shared(self, right: Floats, start: Floats) -> Floats:
-        """Contribution of the block to the right side of the reduced system, shape (..., 7)."""
+        Parameters
+        ----------
+        right : array of shape (..., n_inner)
+        errors : array of shape (..., 3)
+            What is left of the equations.
+
+        Returns
+        -------
+        start : array of shape (..., n_inner)
+        shared : array of shape (..., 7)
+        """
+        start = -_times(self.inverse, errors)
+        start = start + _times(self.projected, right - _times(self.inner, start))
         rest = right - _times(self.inner, start)
-        return _times(self.follow.swapaxes(-1, -2), rest) - _times(self.cross.swapaxes(-1, -2), start)
+        return start, _times(self.follow.swapaxes(-1, -2), rest) - _times(self.cross.swapaxes(-1, -2), start)
 
-    def multipliers(self, right: Floats, inner: Floats, shared: Floats) -> Floats:
-        """Step in the multipliers of the equations, shape (..., 3)."""
-        rest = right - _times(self.inner, inner) - _times(self.cross, shared)
-        return _times(self.inverse.swapaxes(-1, -2), rest)
+    def complete(self, right: Floats, start: Floats, shared: Floats) -> tuple[Floats, Floats]:
+        """Step inside of the blocks, and in the multipliers of their equations, shape (..., 3)."""
+        inside = start + _times(self.follow, shared)
+        rest = right - _times(self.inner, inside) - _times(self.cross, shared)
+        return inside, _times(self.inverse.swapaxes(-1, -2), rest)
 
 
 def _times(matrix: Floats, vector: Floats) -> Floats:

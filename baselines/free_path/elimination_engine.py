@@ -18,22 +18,28 @@ import numpy as np
 from baselines.free_path.elimination import SHARED, SHIFTS, Blocks, Elimination, equations_of
 from baselines.free_path.model import Model
 from baselines.free_path.pieces import Pieces
+from baselines.free_path.rows import Rows
 from study.engine import AUTO, NUMBA, VARIABLE, chosen, compiled_module
 from study.problem import Floats
 
 WORTHWHILE = 3000
 """Pieces of all joints from which importing numba pays, about a second's work of NumPy."""
 
-SOURCES = [Path(__file__).with_name(name) for name in ("compiled.py", "compiled_algebra.py")]
+SOURCES = [
+    Path(__file__).with_name(f"{name}.py")
+    for name in ("compiled", "compiled_algebra", "compiled_pieces", "compiled_steps")
+]
+LAST = "compiled.finish", "compiled_pieces.forward", "compiled_steps.complete"
+"""Functions that an iteration compiles last."""
 
 
-def elimination_for(model: Model) -> type[Elimination]:
-    """Choose the elimination for a model; numba is imported here and not before."""
+def code_for(model: Model) -> tuple[type[Rows], type[Elimination]]:
+    """Choose the code for a model; numba is imported here and not before."""
     wish = os.environ.get(VARIABLE) or AUTO
     worth = "numba" in sys.modules or np.prod(model.shape) >= WORTHWHILE
-    if chosen() != NUMBA or (wish != NUMBA and not (worth and kept())):
-        return Elimination
-    return Elimination if compiled_module(_compiled) is None else CompiledElimination
+    if chosen() != NUMBA or (wish != NUMBA and not (worth and kept())) or compiled_module(_compiled) is None:
+        return Rows, Elimination
+    return import_module("baselines.free_path.compiled_pieces").CompiledRows, CompiledElimination
 
 
 def kept() -> bool:
@@ -42,13 +48,19 @@ def kept() -> bool:
     if elsewhere := os.environ.get("NUMBA_CACHE_DIR"):
         folders = list(Path(elsewhere).glob("*"))
     version = f"py{sys.version_info.major}{sys.version_info.minor}"
-    files = [file for folder in folders for file in folder.glob(f"compiled.finish-*.{version}.nbi")]
     changed = max(source.stat().st_mtime for source in SOURCES)
-    return any(file.stat().st_mtime >= changed for file in files)
+    return all(
+        any(file.stat().st_mtime >= changed for folder in folders for file in folder.glob(f"{last}-*.{version}.nbi"))
+        for last in LAST
+    )
 
 
 def _compiled() -> ModuleType:
     return import_module("baselines.free_path.compiled")
+
+
+def _steps() -> ModuleType:
+    return import_module("baselines.free_path.compiled_steps")
 
 
 class CompiledElimination(Elimination):
@@ -78,9 +90,29 @@ class CompiledElimination(Elimination):
 
     def blocks(self, regularisation: float) -> Blocks:
         """Eliminate the inside of all blocks, with a multiple of the identity added to it."""
-        inner, projected = self.inner.copy(), np.empty_like(self.inner)
+        inner, half = self.inner.copy(), np.empty_like(self.inner)
         follow, reduced = np.empty_like(self.cross), np.empty_like(self.outer)
         given = self.cross, self.outer, self.feasible, self._basis, self._hessians
-        out = inner, projected, follow, reduced
+        out = inner, half, follow, reduced
         self._code.finish(float(regularisation), self._counts, SHIFTS, given, out)
-        return Blocks(self.inverse, projected, inner, self.cross, follow, reduced)
+        return CompiledBlocks(self.inverse, half, inner, self.cross, follow, reduced)
+
+
+class CompiledBlocks(Blocks):
+    """The same blocks; `projected` is Z L^-T, whose product with its own transpose is N."""
+
+    def begin(self, right: Floats, errors: Floats) -> tuple[Floats, Floats]:
+        """y0, and the blocks' shares in the right side of the reduced system."""
+        out = np.empty_like(right), np.empty((*right.shape[:2], SHARED))
+        _steps().begin(right, errors, self._arrays, out)
+        return out
+
+    def complete(self, right: Floats, start: Floats, shared: Floats) -> tuple[Floats, Floats]:
+        """Step inside of the blocks, and in the multipliers of their equations."""
+        inside, multipliers = start.copy(), np.empty((*right.shape[:2], 3))
+        _steps().complete(right, shared, self._arrays, inside, multipliers)
+        return inside, multipliers
+
+    @property
+    def _arrays(self) -> tuple[Floats, ...]:
+        return self.inverse, self.projected, self.inner, self.cross, self.follow

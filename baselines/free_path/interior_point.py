@@ -27,12 +27,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from baselines.free_path.elimination_engine import elimination_for
+from baselines.free_path.elimination_engine import code_for
 from baselines.free_path.line_search import HALVINGS, LineSearch, Measure
 from baselines.free_path.model import Model
 from baselines.free_path.newton import Damping, Frame, Gradient, Newton, gradient
-from baselines.free_path.pieces import Bounds, Pieces, Point, pieces_at
-from baselines.free_path.rows import Rows
+from baselines.free_path.pieces import Bounds, Pieces, Point
 from baselines.free_path.shared_system import layout_of
 from study.deadline import NEVER, Deadline
 from study.problem import Floats
@@ -129,19 +128,20 @@ class Outcome:
 def frame_of(model: Model, free: bool, shares: Floats) -> Frame:
     """Prepare what does not change during a run."""
     bounds = Bounds(model, free)
-    return Frame(model, bounds, Rows(model, bounds), layout_of(model), free, shares, elimination_for(model))
+    rows, elimination = code_for(model)
+    return Frame(model, bounds, rows(model, bounds), layout_of(model), free, shares, elimination)
 
 
 def started(frame: Frame, point: Point, mu: float) -> State:
     """Give a point slacks and multipliers for a barrier parameter."""
-    values = frame.rows.values(pieces_at(frame.model, frame.bounds, point), point)
+    values = frame.rows.at(point).rows
     slacks = np.maximum(values, np.where(frame.rows.active, min(1e-2, 0.1 * np.sqrt(mu)), 1.0))
     return State(point, slacks, frame.rows.weight * mu / slacks, np.zeros((*frame.model.shape[:2], 3)))
 
 
 def resumed(frame: Frame, state: State, mu: float) -> State:
     """Go on from a state of a run with fixed widths or with free ones, at a barrier parameter."""
-    values = frame.rows.values(pieces_at(frame.model, frame.bounds, state.point), state.point)
+    values = frame.rows.at(state.point).rows
     slacks = np.maximum(values, np.where(frame.rows.active, 0.1 * np.sqrt(mu), 1.0))
     usual = frame.rows.weight * mu / slacks
     low = state.multipliers * slacks < 10 * mu
@@ -175,15 +175,15 @@ class Run:
 
     def __init__(self, frame: Frame, state: State) -> None:
         segments, joints, _ = frame.model.shape
-        self.frame, self.search = frame, LineSearch(frame.rows.active, SMALL * segments * joints)
+        self.frame, self.search = frame, LineSearch(SMALL * segments * joints)
         self.regularisation = 0.0
         self.history: list[tuple[float, ...]] = []
-        self._enter(state, pieces_at(frame.model, frame.bounds, state.point))
+        self._enter(state, frame.rows.at(state.point))
 
     def _enter(self, state: State, at: Pieces) -> None:
         rows = self.frame.rows
         self.state, self.at = state, at
-        self.residual = rows.values(at, state.point) - state.slacks
+        self.residual = at.rows - state.slacks
         self.slope: Gradient = gradient(self.frame, at, -state.multipliers, state.equations)
         self.mu = product(state.multipliers, state.slacks) / max(rows.count, 1)
         self.primal = max(float(np.abs(self.residual).max()), float(np.abs(at.errors).max()))
@@ -240,10 +240,10 @@ class Run:
 
     def _room(self, step: State, share: float) -> tuple[float, float]:
         """Longest primal and dual steps that leave slacks, durations and multipliers positive."""
-        state, active = self.state, self.frame.rows.active
+        state, spare = self.state, self.frame.rows.spare
         fall = float((-step.slacks / state.slacks).max())
         shrink = float((-step.point.durations / state.point.durations).max())
-        decay = float((-step.multipliers[active] / state.multipliers[active]).max(initial=0.0))
+        decay = float((-step.multipliers / (state.multipliers + spare)).max(initial=0.0))
         primal = min(1.0, share / max(fall, TINY), 0.5 / max(shrink, TINY))
         return primal, min(1.0, share / max(decay, TINY))
 
@@ -255,8 +255,8 @@ class Run:
         self.search.begin(target, now, rise, step.slacks)
         for _ in range(HALVINGS):
             point, slacks = state.point.moved(step.point, primal), state.slacks + primal * step.slacks
-            at = pieces_at(model, self.frame.bounds, point)
-            residual = self.frame.rows.values(at, point) - slacks
+            at = self.frame.rows.at(point)
+            residual = at.rows - slacks
             reached = Measure(infeasibility(at, residual), float(model.weights @ point.durations), slacks)
             if self.search.accepts(reached, primal):
                 break

@@ -17,7 +17,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from baselines.free_path.question import Flags
 from study.problem import Floats
 
 HALVINGS = 8
@@ -50,15 +49,12 @@ class LineSearch:
 
     Parameters
     ----------
-    active : bool array, one entry for every row
-        Which slacks count.
     small : float
         Infeasibility below which the barrier function must fall.
     """
 
-    def __init__(self, active: Flags, small: float) -> None:
+    def __init__(self, small: float) -> None:
         self._small = small
-        self._active = active
         self._target = np.nan
         self._pairs: list[tuple[float, float]] = []
         self._refusals = 0
@@ -85,11 +81,11 @@ class LineSearch:
         if target != self._target:
             self._target, self._pairs = target, []
         self._now, self._barrier = now.infeasibility, self._barrier_of(now)
-        self._slope = rise - target * float((slacks / now.slacks)[self._active].sum())
+        self._slope = rise - target * float((slacks / now.slacks).sum())
         self._refusals += 1
 
     def _barrier_of(self, measure: Measure) -> float:
-        return measure.objective - self._target * float(np.log(measure.slacks[self._active]).sum())
+        return measure.objective - self._target * float(np.log(measure.slacks).sum())
 
     def accepts(self, reached: Measure, length: float) -> bool:
         """Whether a length of the step may be taken; keeps the filter up to date if so."""

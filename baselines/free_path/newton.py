@@ -9,7 +9,7 @@ import numpy as np
 
 from baselines.free_path.elimination import Elimination
 from baselines.free_path.model import Model
-from baselines.free_path.pieces import Bounds, Costates, Pieces, Point, curvature, pull
+from baselines.free_path.pieces import Bounds, Costates, Pieces, Point
 from baselines.free_path.rows import Rows
 from baselines.free_path.shared_system import GIVE_UP, Layout, SharedSystem, gathered
 from study.problem import Floats
@@ -78,7 +78,7 @@ def gradient(frame: Frame, at: Pieces, weights: Floats, multipliers: Floats) -> 
     """
     model, pieces = frame.model, frame.model.pieces
     ends = multipliers[:, :, :2] / model.closures
-    costates = pull(model, frame.bounds, at, frame.rows.pieces(weights), ends)
+    costates = frame.rows.pull(at, weights, ends)
     shared = np.empty((*model.shape[:2], 7))
     shared[..., 0], shared[..., 3] = costates.u[..., 0], costates.u[..., -1]
     shared[..., 1:3], shared[..., 4:6] = costates.start, -ends
@@ -131,7 +131,7 @@ class Newton:
     ) -> None:
         rows = frame.rows
         self.frame, self.at = frame, at
-        local = curvature(frame.model, frame.bounds, at, rows.pieces(multipliers), rows.pieces(stiffness), costates)
+        local = rows.curvature(at, multipliers, stiffness, costates)
         nodes = rows.nodes(stiffness)
         elimination = frame.elimination(frame.model, at, local, frame.free, frame.shares)
         regularisation = damping.shared
@@ -145,10 +145,8 @@ class Newton:
     def step(self, slope: Gradient) -> tuple[Point, Floats]:
         """Step in the unknowns and in the multipliers of the equations, down a gradient and onto the equations."""
         blocks, pieces = self.blocks, self.frame.model.pieces
-        start = blocks.particular(-slope.inner, self.at.errors)
-        right = blocks.onto_shared(-slope.inner, start) - slope.shared
-        nodes, durations, shared = self.system.solve(right, -slope.nodes, -slope.durations)
-        inner = start + (blocks.follow @ shared[..., None])[..., 0]
-        multipliers = blocks.multipliers(-slope.inner, inner, shared)
+        start, right = blocks.begin(-slope.inner, self.at.errors)
+        nodes, durations, shared = self.system.solve(right - slope.shared, -slope.nodes, -slope.durations)
+        inner, multipliers = blocks.complete(-slope.inner, start, shared)
         widths = inner[..., pieces - 1 :] if self.frame.free else self.frame.shares * durations[:, None, None]
         return Point(durations, nodes, inner[..., : pieces - 1], widths), multipliers

@@ -92,7 +92,7 @@ def free_path(
         outcome = outcomes[-1]
         spent += outcome.iterations
         outside = leaves_range(model, outcome.state.point, -OUTSIDE)
-        if not outside.any() or outcome.ending is Ending.LATE:
+        if not (outside & ~held).any() or outcome.ending is Ending.LATE:
             break
         held, begin = held | _with_neighbours(outside), outcome.state.point
     return _answer(model, outcomes, spent)
@@ -149,8 +149,8 @@ def _goals(deadline: Deadline) -> tuple[Goal, Goal, Goal]:
     """Stopping criteria of each phase."""
     return (
         Goal(barrier=1e-4, error=1e-2, iterations=100, deadline=deadline),
-        Goal(barrier=1e-7, error=1e-3, iterations=120, deadline=deadline, centring=0.3, level=3e-6, damping=1e-3),
-        Goal(barrier=3e-9, error=1e-5, iterations=60, deadline=deadline, level=1e-8),
+        Goal(barrier=1.5e-7, error=1e-3, iterations=120, deadline=deadline, centring=0.3, level=3e-6, damping=1e-3),
+        Goal(barrier=1e-8, error=3e-6, iterations=60, deadline=deadline, level=1e-8),
     )
 
 
@@ -176,7 +176,11 @@ def _freed(model: Model, first: Outcome, deadline: Deadline) -> list[Outcome]:
     widths = np.maximum(second.state.point.widths, 1e-12)
     frame = frame_of(model, False, widths / widths.sum(axis=2, keepdims=True))
     third = solve(frame, resumed(frame, second.state, 1e-7), finishing)
-    third = replace(third, iterations=first.iterations + second.iterations + third.iterations)
+    spent = first.iterations + second.iterations + third.iterations
+    if leaves_range(model, third.state.point, -OUTSIDE).any():  # the range may be held, but the equations too loosely
+        third = solve(frame, third.state, replace(finishing, error=1e-2 * finishing.error, level=0.0))
+        spent += third.iterations
+    third = replace(third, iterations=spent)
     return [second, third] if third.ending is not Ending.CONVERGED and model.question.scalable else [third]
 
 

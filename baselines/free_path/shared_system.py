@@ -38,6 +38,8 @@ class Layout:
         Their places in the flattened band.
     width : int
         Half bandwidth.
+    places : int array
+        Numbers of all of the blocks' unknowns, the waypoints' and the durations; `size` where given.
     """
 
     size: int
@@ -47,6 +49,7 @@ class Layout:
     lower: Flags
     flat: Integers
     width: int
+    places: Integers
 
 
 def layout_of(model: Model) -> Layout:
@@ -64,7 +67,9 @@ def layout_of(model: Model) -> Layout:
     distance = (row - column)[lower]
     size = int(free.sum())
     flat = distance * size + np.broadcast_to(column, lower.shape)[lower]
-    return Layout(size, nodes, durations, blocks, lower, flat, int(distance.max(initial=0)))
+    places = np.concatenate([blocks.ravel(), nodes.ravel(), durations])
+    places[places < 0] = size
+    return Layout(size, nodes, durations, blocks, lower, flat, int(distance.max(initial=0)), places)
 
 
 class SharedSystem:
@@ -123,7 +128,8 @@ class SharedSystem:
 
 def gathered(layout: Layout, shared: Floats, nodes: Floats, durations: Floats) -> Floats:
     """Add up shares of the blocks, of the waypoints and of the durations, shape (layout.size,)."""
-    places = np.concatenate([layout.blocks.ravel(), layout.nodes.ravel(), layout.durations])
     values = np.concatenate([shared.ravel(), nodes.ravel(), durations])
-    keep = places >= 0
-    return np.bincount(places[keep], weights=values[keep], minlength=layout.size).astype(np.float64)
+    total: Floats = np.bincount(layout.places, weights=values, minlength=layout.size + 1)[: layout.size].astype(
+        np.float64
+    )
+    return total

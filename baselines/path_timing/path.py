@@ -6,11 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from study import polynomial
 from study.curves import cubic_spline
 from study.problem import Floats, JointLimits
+from study.tolerances import FLOOR
 
 PathRule = Callable[[Floats, JointLimits], "Path"]
 """A way to lay a path through distinct neighbouring waypoints."""
@@ -28,11 +29,14 @@ class Path:
         Ascending powers of the parameter since the segment's start.
     clamped : bool
         Whether q' is zero at both ends, so that the joints rest there at any path speed.
+    rough : bool
+        Whether q'' steps at knots.
     """
 
     knots: Floats
     cubics: Floats
     clamped: bool = True
+    rough: bool = False
 
     def at(self, s: Floats) -> Floats:
         """Cubics rewritten about given parameters, shape (n, 4, n_joints)."""
@@ -67,6 +71,49 @@ def centripetal_path(waypoints: Floats, limits: JointLimits) -> Path:
     knots = np.concatenate([[0.0], np.cumsum(np.sqrt(chord_lengths(waypoints, limits)))])
     spline = CubicSpline(knots, waypoints, bc_type="natural")
     return Path(knots, np.moveaxis(spline.c[::-1], 0, 1), clamped=False)
+
+
+def roomy_path(waypoints: Floats, limits: JointLimits) -> Path:
+    """Lay `centripetal_path`, with gentler slopes at waypoints next to which it would leave the range of positions.
+
+    A cubic between neighbours is monotone where its slopes have the sign of the step and are at most three times its
+    mean slope, and then stays between them. Slopes are cut down to that where they must be, so q'' steps there.
+
+    Parameters
+    ----------
+    waypoints : array of shape (n_waypoints, n_joints), rad or m
+    limits : JointLimits
+        As for `chord_path`; the range counts, too.
+
+    References
+    ----------
+    J. M. Hyman, Accurate monotonicity preserving cubic interpolation, SIAM J. Sci. Stat. Comput. 4(4), 1983.
+    """
+    path = centripetal_path(waypoints, limits)
+    slopes, wanted = np.append(path.cubics[:, 1], path.at(path.knots[-1:])[:, 1], axis=0), _monotone(path, waypoints)
+    for _ in range(len(waypoints)):
+        leaves = _leaves(path, limits)
+        if not leaves.any():
+            break
+        near = np.pad(leaves, ((0, 1), (0, 0))) | np.pad(leaves, ((1, 0), (0, 0)))
+        slopes = np.where(near, np.clip(slopes, *wanted), slopes)
+        cubics = CubicHermiteSpline(path.knots, waypoints, slopes).c
+        path = Path(path.knots, np.moveaxis(cubics[::-1], 0, 1), clamped=False, rough=True)
+    return path
+
+
+def _monotone(path: Path, waypoints: Floats) -> tuple[Floats, Floats]:
+    """Lowest and highest slopes at the waypoints with which cubics are monotone, each (n_waypoints, n_joints)."""
+    mean = 3 * np.diff(waypoints, axis=0) / np.diff(path.knots)[:, None]
+    left, right = np.concatenate([mean[:1], mean]), np.concatenate([mean, mean[-1:]])
+    return np.minimum(np.maximum(left, right), 0.0), np.maximum(np.minimum(left, right), 0.0)
+
+
+def _leaves(path: Path, limits: JointLimits) -> np.ndarray:
+    """Whether cubics leave the range of positions, shape (n_segments, n_joints)."""
+    unit = polynomial.stretched(np.moveaxis(path.cubics, 1, 2), np.diff(path.knots)[:, None])
+    lowest, _, highest, _ = polynomial.extrema(unit)
+    return np.asarray((lowest < limits.lower - FLOOR) | (highest > limits.upper + FLOOR))
 
 
 def chord_lengths(waypoints: Floats, limits: JointLimits) -> Floats:

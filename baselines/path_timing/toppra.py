@@ -23,7 +23,7 @@ from toppra import algorithm, constraint
 
 from baselines.base import Deterministic, where_something_moves
 from baselines.path_timing.arm_limits import ArmConstraint, SpeedLaw, held
-from baselines.path_timing.path import Path, PathRule, centripetal_path, chord_path, compose, grid
+from baselines.path_timing.path import Path, PathRule, centripetal_path, chord_path, compose, grid, roomy_path
 from study.deadline import Deadline, record_cut
 from study.demands import ARM
 from study.judge import judge
@@ -35,6 +35,9 @@ from study.trajectory import Trajectory
 
 GRID, LEAST_STEPS = 4000, 2
 """Grid steps at most on the whole path at first, but at least between neighbours, however many waypoints there are."""
+
+BEFORE = 1e-7
+"""Distance of a gridpoint before a knot, as a share of the segment."""
 
 UNLIMITED = 1e9
 """Substitute for an infinite limit, in units of the joint's own scale: TOPP-RA needs finite numbers."""
@@ -106,11 +109,17 @@ def driven(problem: Problem, per_segment: int, lay: PathRule) -> Trajectory | No
     fresh = np.append(True, (np.diff(problem.waypoints, axis=0) != 0).any(axis=1))
     path = lay(problem.waypoints[fresh], problem.limits)
     points = grid(path, per_segment)
+    # TOPP-RA looks to the right of a gridpoint; where q'' steps, it is shown a second one, just before.
+    before = (
+        path.knots[1:-1] - BEFORE * np.diff(path.knots[:-1]) if path.rough and problem.arm is None else path.knots[:0]
+    )
+    shown = np.sort(np.concatenate([points, before]))
 
     def law(*further: ArmConstraint) -> SpeedLaw | None:
-        speeds = path_speeds(path, problem.limits, points, further)
+        speeds = path_speeds(path, problem.limits, shown, further)
         if speeds is None:
             return None
+        speeds = speeds[np.searchsorted(shown, points)]
         durations, coefficients = compose(path, points, speeds)
         return Trajectory.from_pieces(durations, coefficients, np.where(fresh[1:], per_segment, 0)), speeds
 
@@ -239,7 +248,7 @@ class Toppra(Deterministic):
 QUICK = Toppra(
     worst_stretch=1.1,
     steps=90,
-    rules=(centripetal_path,),
+    rules=(roomy_path,),
     about="TOPP-RA on few gridpoints of one natural spline, without a jerk limit",
 )
 """Planner `toppra-quick`, for milliseconds."""

@@ -1,5 +1,8 @@
 """Elimination of blocks: what it solves, and that both engines do the same."""
 
+from dataclasses import replace
+from importlib import import_module
+
 import numpy as np
 import pytest
 
@@ -9,19 +12,25 @@ from baselines.free_path.interior_point import Goal, Run, frame_of, solve, start
 from baselines.free_path.model import model_of
 from baselines.free_path.newton import Damping, Newton, gradient
 from baselines.free_path.phases import free_path
-from baselines.free_path.pieces import curvature, pieces_at
+from baselines.free_path.pieces import Point
 from baselines.free_path.question import of
+from baselines.free_path.rows import Rows
 from baselines.free_path.shared_system import gathered
 from baselines.free_path.start import graded, spline_start
 from study import JointLimits, Problem
 from tests.helpers.reference_problems import INF
 
 
-def mixed_run(free):
-    """A run at its start, with joints of three kinds."""
+def mixed_run(free, ranged=False):
+    """A run at its start, with joints of three kinds; `ranged` holds a range of positions."""
     points = np.cumsum(np.random.default_rng(5).uniform(-0.5, 0.5, (6, 4)), axis=0)
     problem = Problem("mixed", points, JointLimits([1.5] * 4, [5.0, 4.0, 5.0, INF], [50.0, 40.0, INF, INF]))
-    model = model_of(of(problem), 6)
+    question = of(problem)
+    room = np.abs(points).max() + 0.1 if ranged else np.inf
+    question = replace(
+        question, range_lower=question.range_lower.clip(-room), range_upper=question.range_upper.clip(max=room)
+    )
+    model = model_of(question, 6, np.full((5, 4), ranged))
     frame = frame_of(model, free, graded(model))
     state = started(frame, spline_start(model, graded(model)), 0.1)
     equations = np.random.default_rng(6).normal(size=state.equations.shape)
@@ -43,7 +52,7 @@ def test_a_newton_step_solves_the_linearised_conditions():
     step = run._direction(newton, stiffness, 0.05 * frame.rows.weight)
     errors, slopes = [], [run.slope]
     for sign in (small, -small):
-        at = pieces_at(frame.model, frame.bounds, state.point.moved(step.point, sign))
+        at = frame.rows.at(state.point.moved(step.point, sign))
         errors.append(at.errors)
         slopes.append(gradient(frame, at, -state.multipliers - sign * step.multipliers, sign * step.equations))
     now, *after = (gathered(frame.layout, slope.shared, slope.nodes, slope.durations) for slope in slopes)
@@ -55,10 +64,7 @@ def test_a_newton_step_solves_the_linearised_conditions():
 
 def second_derivatives(run):
     state, rows = run.state, run.frame.rows
-    stiffness = rows.pieces(state.multipliers / state.slacks)
-    return curvature(
-        run.frame.model, run.frame.bounds, run.at, rows.pieces(state.multipliers), stiffness, run.slope.costates
-    )
+    return rows.curvature(run.at, state.multipliers, state.multipliers / state.slacks, run.slope.costates)
 
 
 @pytest.mark.parametrize("free", [False, True])
@@ -68,9 +74,36 @@ def test_both_engines_eliminate_alike(free):
     arguments = (run.frame.model, run.at, second_derivatives(run), free, run.frame.shares)
     plain = Elimination(*arguments).blocks(1e-3)
     compiled = elimination_engine.CompiledElimination(*arguments).blocks(1e-3)
-    for name in ("inverse", "projected", "inner", "cross", "follow", "reduced"):
-        expected = getattr(plain, name)
-        np.testing.assert_allclose(getattr(compiled, name), expected, atol=1e-9 * np.abs(expected).max())
+    rng = np.random.default_rng(8)
+    right, shared = rng.normal(size=plain.cross.shape[:3]), rng.normal(size=(*plain.cross.shape[:2], 7))
+    results = []
+    for blocks in (plain, compiled):
+        start, onto = blocks.begin(right, run.at.errors)
+        found = start, onto, *blocks.complete(right, start, shared)
+        results.append(
+            (*found, *(getattr(blocks, name) for name in ("inverse", "inner", "cross", "follow", "reduced")))
+        )
+    for expected, found in zip(*results, strict=True):
+        np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("ranged", [False, True])
+@pytest.mark.parametrize("free", [False, True])
+def test_both_engines_evaluate_alike(free, ranged):
+    module = pytest.importorskip("numba") and import_module("baselines.free_path.compiled_pieces")
+    run = mixed_run(free, ranged)
+    plain, state, rng = run.frame.rows, run.state, np.random.default_rng(9)
+    compiled = module.CompiledRows(plain.model, plain.bounds)
+    step = Point(*(rng.normal(size=part.shape) for part in state.point))
+    stiffness, ends = state.multipliers / state.slacks, rng.normal(size=(*plain.model.shape[:2], 2))
+    results = []
+    for rows in (plain, compiled):
+        at = rows.at(state.point)
+        costates = rows.pull(at, state.multipliers, ends)
+        curved = rows.curvature(at, state.multipliers, stiffness, costates)
+        results.append((at.states, at.rows, at.errors, rows.change(at, step), *costates, np.tril(curved)))
+    for expected, found in zip(*results, strict=True):
+        np.testing.assert_allclose(found, expected, atol=1e-12 * max(1.0, np.abs(expected).max()))
 
 
 def test_both_engines_give_the_same_duration(monkeypatch):
@@ -87,7 +120,7 @@ def test_both_engines_give_the_same_duration(monkeypatch):
 def test_nobody_waits_for_the_compiler_unasked(monkeypatch):
     monkeypatch.delenv("STUDY_ENGINE", raising=False)
     monkeypatch.setattr(elimination_engine, "kept", lambda: False)
-    assert elimination_engine.elimination_for(mixed_run(True).frame.model) is Elimination
+    assert elimination_engine.code_for(mixed_run(True).frame.model) == (Rows, Elimination)
 
 
 def test_the_method_stops_where_the_conditions_hold():
