@@ -45,7 +45,7 @@ Key = tuple[str, str, str, str]
 def reproduce(
     papers: Sequence[str], effort: Effort, out: Path, workers: Workers, console: Console
 ) -> dict[str, tuple[Entry, ...]]:
-    """Run what is missing, rule, and write the pages.
+    """Run what is missing, rule, write the pages, and say what became of every paper's numbers.
 
     Parameters
     ----------
@@ -75,6 +75,8 @@ def reproduce(
             write_paper(paper, printed, runs, effort, pages, facts)
         index = write_index(effort, pages, facts)
         write_pages(out, audit_flags(out))
+    for paper, printed in entries.items():
+        console.print(f"{paper}: {line(printed)}")
     console.print(f"pages: {index}", f"{time.perf_counter() - begun:.0f} s", sep="\n")
     return entries
 
@@ -153,8 +155,6 @@ def reproduce_command(
     console = make_console()
     papers = list(PAPERS) if paper is None else [paper_named(paper)]
     reproduced = reproduce(papers, QUICK if quick else FULL, out, Workers.of(jobs, fresh, memory, dask), console)
-    for name, entries in reproduced.items():
-        console.print(f"{name}: {line(entries)}")
     flat = [entry for entries in reproduced.values() for entry in entries]
     if commit:
         write_committed(flat, committed_path())

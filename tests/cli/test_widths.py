@@ -5,7 +5,9 @@ import re
 import pytest
 from rich.cells import cell_len
 
+from study.cli import reproduce
 from study.cli.screen import SafeConsole, fitted
+from study.reproduction.effort import Effort
 from tests.conftest import run_here
 
 WIDTHS = (60, 80, 120, 200)
@@ -23,6 +25,7 @@ CASES = {  # command: what must stand in the first ten lines
     ("ledger", "--paper", "woodworking"): "entries by kind: ",
     ("cases", "show", "ur5-helix"): "ur5-helix",
 }
+SLOW = {("report",): "• No", ("reproduce", "aubo", "--quick"): "aubo-dynamic-adaptive-pso: runs: "}
 
 
 @pytest.fixture(scope="module")
@@ -39,12 +42,26 @@ def folder(tmp_path_factory):
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("arguments", CASES, ids=lambda words: " ".join(map(str, words)))
 def test_lines_fit_and_the_answer_comes_first(folder, monkeypatch, arguments, width):
+    captured(folder, monkeypatch, arguments, width, CASES[arguments])
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("threads")
+@pytest.mark.parametrize("arguments", SLOW, ids=lambda words: words[0])
+def test_lines_of_commands_that_write_pages_fit_too(folder, monkeypatch, arguments):
+    monkeypatch.setattr(reproduce, "QUICK", Effort("tiny: for tests", 2, 0.02, 2, all_readings=False))
+    run_here("run", *RUN, "--no-report", cwd=folder)
+    for width in WIDTHS:
+        captured(folder, monkeypatch, arguments, width, SLOW[arguments])
+
+
+def captured(folder, monkeypatch, arguments, width, wanted):
     monkeypatch.setenv("COLUMNS", str(width))
     ended = run_here(*arguments, cwd=folder)
     lines = ended.stdout.splitlines()
     assert ended.returncode in (0, 3), ended.stderr
     assert max(map(cell_len, lines)) <= width
-    assert CASES[arguments] in " ".join(" ".join(lines[:10]).split())
+    assert wanted in " ".join(" ".join(lines[:10]).split())
     assert "…" not in ended.stdout
     assert not re.search(r"\d\n *\d+ *(%|s)\b", ended.stdout)
 
