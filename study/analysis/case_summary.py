@@ -14,6 +14,7 @@ from study.analysis.ladder import Rung, ladder_of
 from study.analysis.methods import Kind, MethodSummary, lower_bound
 from study.analysis.palette import method_slots
 from study.analysis.published import published_methods
+from study.analysis.sentences import answer
 from study.bounds import Method, is_stochastic
 from study.cases.library import Case
 from study.cases.obstacles import DRIVEN, driving
@@ -102,6 +103,11 @@ class CaseSummary:
     def rungs(self) -> tuple[Rung, ...]:
         """The ladder of lost time; empty where there is too little for one."""
         return ladder_of(self.case, self.methods, self.best)
+
+
+def answer_of(summaries: Sequence[CaseSummary]) -> tuple[str, ...]:
+    """Say what came out over all cases, with the papers' budgets beside ours."""
+    return answer([each.best for each in summaries], [each.case.settings.evaluations for each in summaries])
 
 
 def summarise(cases: Mapping[str, Case], results: Iterable[Result]) -> tuple[CaseSummary, ...]:

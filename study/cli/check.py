@@ -12,7 +12,7 @@ from rich.console import Console
 
 from study.api import automatic
 from study.cases.library import Case, load_case
-from study.cases.obstacles import may_be_driven, nearest
+from study.cases.obstacles import Nearest, may_be_driven, nearest
 from study.cases.recorded import limits_alone, motion_of, with_room
 from study.cautions import cautions, ends_said
 from study.cli import terminal
@@ -25,7 +25,7 @@ from study.io.passages import passages
 from study.io.recordings import holds_samples, read_samples
 from study.io.sampled import Interpolation, breaches, joined
 from study.io.samples import Samples
-from study.judge import judge
+from study.judge import Verdict, judge
 from study.path_findings import largest_deviation
 from study.registry import planner_about
 from study.trajectory import Motion, Trajectory
@@ -148,7 +148,12 @@ def warn(case: Case, console: Console) -> None:
 
 
 def report_verdict(
-    case: Case, motion: Motion, console: Console, facts: Mapping[str, str] | None = None, room: float = 0.0
+    case: Case,
+    motion: Motion,
+    console: Console,
+    facts: Mapping[str, str] | None = None,
+    room: float = 0.0,
+    known: tuple[Verdict, Nearest | None] | None = None,
 ) -> bool:
     """Print whether a motion may be driven, what binds, and what the judge finds joint by joint.
 
@@ -161,13 +166,15 @@ def report_verdict(
         More lines of the card at the head.
     room : float
         Share by which limits may be exceeded.
+    known : tuple of Verdict and Nearest, optional
+        Verdict on the motion and its clearance, where they are known already.
 
     Returns
     -------
     bool
         Whether the motion is feasible and clear.
     """
-    verdict, clearance = judge(case.problem, motion), nearest(case, motion)
+    verdict, clearance = known or (judge(case.problem, motion), nearest(case, motion))
     allowed = judge(with_room(case.problem, room), motion) if room else verdict
     good = may_be_driven(allowed, clearance)
     units = " or ".join(dict.fromkeys(case.units))

@@ -13,7 +13,7 @@ import typer
 from study.api import TIERS, Planned
 from study.api import plan as plan_motion
 from study.cases.library import Case
-from study.cases.obstacles import nearest
+from study.cases.obstacles import may_be_driven, nearest
 from study.cli.check import SAMPLED, report_verdict, warn
 from study.cli.example import EXAMPLE
 from study.cli.inputs import Cycle, Duration, Joints, LimitFiles, Points, Rate, Speed, Wishes, load_any
@@ -124,17 +124,17 @@ def _plan_case(
     if planned.result.motion is None:
         console.print(*_tried(planned), sep="\n")
         raise typer.Exit(no_motion(case))
-    motion, good = planned.motion, planned.feasible
-    if good and ((clearance := nearest(case, motion)) is None or clearance.clear):
+    motion, known = planned.motion, (planned.verdict, nearest(case, planned.motion))
+    if may_be_driven(*known):
         try:
             facts |= save_motion(case, motion, files, wishes.sampling, accept)
         except StudyError:
-            report_verdict(case, motion, console, facts | {"files": "none written"})
+            report_verdict(case, motion, console, facts | {"files": "none written"}, known=known)
             raise
-    if not report_verdict(case, motion, console, facts):
-        console.print(*_tried(planned), sep="\n")
-        raise typer.Exit(no_motion(case))
+    good = report_verdict(case, motion, console, facts, known=known)
     console.print(*_tried(planned), sep="\n")
+    if not good:
+        raise typer.Exit(no_motion(case))
 
 
 def _tried(planned: Planned) -> Iterator[str]:

@@ -8,13 +8,12 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from study.analysis.case_summary import CaseSummary
+from study.analysis.case_summary import CaseSummary, answer_of
 from study.analysis.ends import end_steps
 from study.analysis.featured import IN_ORDER, ROLE_NAMES
 from study.analysis.formatting import DASH, figures, percent, seconds, share, wall
 from study.analysis.methods import Kind, MethodSummary, Standing
 from study.analysis.palette import terminal_color
-from study.analysis.sentences import answer
 from study.cli.screen import fitted
 
 NOTE = (
@@ -28,9 +27,7 @@ FLAGGED = "⚑: its result depends on where in its box the optimum stands (`stud
 
 def answer_lines(summaries: Sequence[CaseSummary]) -> Iterator[str]:
     """The answer of the study in a few sentences."""
-    budgets = [summary.case.settings.evaluations for summary in summaries]
-    for sentence in answer([summary.best for summary in summaries], budgets):
-        yield f"• {sentence}"
+    yield from (f"• {sentence}" for sentence in answer_of(summaries))
 
 
 def answer_table(console: Console, summaries: Sequence[CaseSummary]) -> Table:

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from study.analysis.case_summary import CaseSummary
+from study.analysis.case_summary import CaseSummary, answer_of
 from study.analysis.ends import end_steps
 from study.analysis.featured import ROLE_NAMES, SEARCHES, Featured
 from study.analysis.formatting import DASH, count, percent, seconds, wall
 from study.analysis.methods import Kind, MethodSummary, lower_bound
-from study.analysis.sentences import answer
 from study.errors import StudyError
 from study.files import write_file
 from study.io.text import read_text
@@ -23,10 +22,10 @@ def answer_in_markdown(summaries: Sequence[CaseSummary]) -> str:
     on_curve = _table(["case", *(ROLE_NAMES[role] for role in ON_CURVE)], map(_row_on_curve, summaries))
     heads = ["case", *(ROLE_NAMES[role] for role in OFF_CURVE), "no motion is faster than"]
     tables = f"{on_curve}\n\n{_table(heads, map(_row_off_curve, summaries))}"
-    budgets = [summary.case.settings.evaluations for summary in summaries]
-    sentences = answer([summary.best for summary in summaries], budgets)
     steps = [text for summary in summaries if (text := end_steps(summary))]
-    return "\n".join((*(f"- {sentence}" for sentence in sentences), "", tables, *(f"\n{text}" for text in steps)))
+    return "\n".join(
+        (*(f"- {sentence}" for sentence in answer_of(summaries)), "", tables, *(f"\n{text}" for text in steps))
+    )
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
