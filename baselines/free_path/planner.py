@@ -8,30 +8,35 @@ from typing import ClassVar
 
 import numpy as np
 
+from baselines.free_path.arm_limits import FEW, ROUNDS, within_arm
 from baselines.free_path.interior_point import Ending
 from baselines.free_path.phases import FEWEST, free_path
 from baselines.free_path.question import FreePathProblem, of
 from baselines.free_path.reduced import in_tube, lasting
 from study.deadline import Deadline
-from study.demands import Demand, refusal
+from study.demands import ARM, Demand, refusal
 from study.errors import StudyError
 from study.judge import judge
 from study.planning import RATE_LIMITS, Freedom, Plan, RunSettings, Status
 from study.problem import Problem, Tube
 
-KNOWN = RATE_LIMITS | {
-    Demand.POSITION_RANGE,
-    Demand.DIRECTIONAL_LIMITS,
-    Demand.SEGMENT_LIMITS,
-    Demand.MOVING_ENDS,
-    Demand.DIFFERENT_ENDS,
-    Demand.STOPS,
-    Demand.DWELLS,
-    Demand.TOLERANCE,
-    Demand.TUBE,
-    Demand.DURATION,
-    Demand.CYCLE,
-}
+KNOWN = (
+    RATE_LIMITS
+    | ARM
+    | {
+        Demand.POSITION_RANGE,
+        Demand.DIRECTIONAL_LIMITS,
+        Demand.SEGMENT_LIMITS,
+        Demand.MOVING_ENDS,
+        Demand.DIFFERENT_ENDS,
+        Demand.STOPS,
+        Demand.DWELLS,
+        Demand.TOLERANCE,
+        Demand.TUBE,
+        Demand.DURATION,
+        Demand.CYCLE,
+    }
+)
 
 WITHIN = 0.99
 """Part of a tolerance at waypoints that is used where a motion misses it: pieces meet to a few parts in a million of a
@@ -78,9 +83,12 @@ class FreePathPlanner:
             return Plan(Status.NOT_APPLICABLE, message=reason)
         deadline = Deadline.after(settings.time_limit)
 
-        def shaped(problem: Problem) -> Plan:
+        def free(problem: Problem) -> Plan:
             plain = partial(self._solved, deadline=deadline)
             return in_tube(problem, plain) if isinstance(problem.path, Tube) else plain(problem)
+
+        def shaped(problem: Problem) -> Plan:
+            return within_arm(problem, free, deadline, ROUNDS if self.freed else FEW)
 
         return shaped(problem) if problem.scalable else lasting(problem, shaped)
 
