@@ -73,6 +73,11 @@ class ArmLimits:
         }
         return frozenset(demand for demand, holds in given.items() if holds)
 
+    @property
+    def forbids_steps(self) -> bool:
+        """Whether velocities may not step: the torque would be infinite, or the tool's acceleration."""
+        return bool(self.demands & {Demand.TORQUE, Demand.TOOL_ACCELERATION})
+
     def names(self, joints: Sequence[str]) -> list[str]:
         """Names of the shares of `shares`, in words for a sentence."""
         return [*(f"torque of {joint}" for joint in joints), "tool speed", "tool acceleration"]

@@ -12,7 +12,9 @@ UNFIT = "no arm can follow such a motion"
 
 
 def unbounded_joints(problem: Problem) -> NDArray[np.bool_]:
-    """Joints that move without a limit of acceleration or jerk, shape (n_joints,): their speed may change in an instant."""
+    """Joints whose speed may change in an instant, shape (n_joints,): no acceleration, jerk or torque is limited."""
+    if problem.arm is not None and problem.arm.forbids_steps:
+        return np.zeros(problem.n_joints, dtype=bool)
     return problem.moving & ~np.isfinite(problem.limits.rates[1:]).any(axis=0)
 
 

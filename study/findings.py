@@ -209,10 +209,11 @@ def _waypoints(measured: Measured) -> Iterator[Finding]:
 
 
 def _steps_forbidden(problem: Problem) -> list[NDArray[np.bool_]]:
-    """Joints that may not step in position (none), velocity and acceleration (those that limit a higher rate)."""
+    """Joints that may not step in position (all), velocity and acceleration (those that limit a higher rate)."""
     every = [problem.limits, *problem.segment_limits.values()]
     limited = np.any([np.isfinite(limits.rates) for limits in every], axis=0)
-    return [np.ones(problem.n_joints, dtype=bool), limited[1:].any(axis=0), limited[2]]
+    heavy = problem.arm is not None and problem.arm.forbids_steps
+    return [np.ones(problem.n_joints, dtype=bool), limited[1:].any(axis=0) | heavy, limited[2]]
 
 
 def _relative(mask: NDArray[np.bool_], value: Floats, scale: Floats) -> Floats:

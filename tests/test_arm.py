@@ -8,6 +8,7 @@ import pytest
 from study import JointLimits, Problem, StudyError, Trajectory, judge
 from study.arm import ArmLimits
 from study.arm_findings import ROUNDS, enclosed
+from study.cautions import unbounded_joints
 from study.curves import CURVES
 from study.demands import ARM, Demand, refusal
 from study.parametric import ParametricTrajectory
@@ -180,3 +181,15 @@ def test_a_share_of_the_speed_slows_the_tool_and_leaves_torques():
     slow = walk(torque=[60.0, 20.0], tool_speed=1.0, tool_acceleration=4.0).at_speed(0.5).arm
     assert (slow.tool_speed, slow.tool_acceleration, slow.torque.tolist()) == (0.5, 1.0, [60.0, 20.0])
     assert walk(tool_speed=1.0).joint(0).arm is None
+
+
+def test_a_velocity_that_steps_is_an_infinite_torque():
+    jump = Trajectory([0.0, 0.5, 1.0], np.array([[[0.0], [0.5]], [[0.25], [1.5]]]), [0.0, 1.0])
+    free = Problem("jump", [[0.0], [1.0]], JointLimits([2.0]))
+    assert judge(free, jump).feasible
+    for arm in (ArmLimits(lift(5.0), [500.0]), ArmLimits(lift(5.0), tool_acceleration=9.0)):
+        reasons = " ".join(judge(replace(free, arm=arm), jump).reasons)
+        assert "velocity of joint 1 jumps" in reasons
+        assert "at the start, not zero" in reasons
+        assert not unbounded_joints(replace(free, arm=arm)).any()
+    assert judge(replace(free, arm=ArmLimits(lift(5.0), tool_speed=2.0)), jump).feasible

@@ -36,6 +36,9 @@ where the motion may not be slowed down at last."""
 ENOUGH, PATIENCE = 2e-3, 2
 """Gain in duration that counts, and rounds without one after which no further follows."""
 
+SUDDEN = 1e3
+"""Acceleration in units of the velocity limit per second that stands for none."""
+
 Solve = Callable[[Problem], Plan]
 
 
@@ -53,6 +56,7 @@ def within_arm(problem: Problem, solve: Solve, deadline: Deadline, rounds: int =
     plain, limits = replace(problem, arm=None), problem.arm
     if limits is None:
         return solve(plain)
+    plain = replace(plain, limits=_reachable(problem.limits, limits, problem.waypoints))
     room = 1 - (ROOM if problem.scalable else SAFE)
     aim = ArmLimits(limits.mechanism, room * limits.torque, room * limits.tool_speed, room * limits.tool_acceleration)
     best, iterations = Plan(Status.FAILED, message="no motion keeps the limits of the arm"), 0
@@ -76,6 +80,28 @@ def within_arm(problem: Problem, solve: Solve, deadline: Deadline, rounds: int =
         if (shares == 1).all():
             break
     return replace(best, iterations=iterations)
+
+
+def _reachable(rates: JointLimits, limits: ArmLimits, waypoints: Floats) -> JointLimits:
+    """Limits of rates with accelerations that torques or the tool bound, where they are not limited themselves.
+
+    A joint reaches what its motor can do at a waypoint, or what brings the tool to its limit, twice over.
+    """
+    n = len(waypoints)
+    missing = ~np.isfinite(rates.rates[1:]).any(axis=0)
+    if not (limits.forbids_steps and missing.any()):
+        return rates
+    arm, acceleration = limits.mechanism, rates.acceleration.copy()
+    still = np.zeros_like(waypoints)
+    held = arm.torque(waypoints, still, still)
+    for joint in np.flatnonzero(missing):
+        push = np.tile(np.eye(rates.n_joints)[joint], (n, 1))
+        inertia = (arm.torque(waypoints, still, push) - held)[:, joint]
+        tool = np.linalg.norm(arm.tool_rates(waypoints, still, push)[1], axis=1)
+        with np.errstate(divide="ignore"):
+            most = np.minimum(2 * limits.torque[joint] / inertia, limits.tool_acceleration / tool).max()
+        acceleration[joint] = min(2 * most, SUDDEN * rates.velocity[joint])
+    return replace(rates, acceleration=acceleration)
 
 
 def _duration(plan: Plan) -> float:

@@ -218,7 +218,8 @@ class Toppra(Deterministic):
     @where_something_moves
     def plan(self, problem: Problem, settings: RunSettings) -> Plan:
         """Retime the path; the settings' curve and time limit matter."""
-        if not np.isfinite(problem.limits.acceleration).any():
+        heavy = problem.arm is not None and problem.arm.forbids_steps
+        if not (np.isfinite(problem.limits.acceleration).any() or heavy):
             return Plan(Status.NOT_APPLICABLE, message="no acceleration limit: the path speed could step")
         rules = self.rules if settings.curve == "cubic-spline" else (chord_path,)
         rules = rules if problem.arm is None else (centripetal_path,)

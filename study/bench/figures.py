@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from statistics import median
 
 import matplotlib as mpl
@@ -10,8 +10,10 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from study.bench.growth import LABELS, Point
-from study.report.figures import sized, svg
-from study.report.plot_style import DASHES, GRID, MARKERS, RC, SERIES
+from study.problem import Floats
+from study.report.figures import gridded, sized, svg
+from study.report.pictures import standalone
+from study.report.plot_style import DASHES, GRID, INK, MARKERS, RC, SERIES
 
 AXES = {"waypoints": "waypoints", "joints": "joints", "population": "candidates in one call"}
 
@@ -53,3 +55,28 @@ def _panel(axes: Axes, points: Sequence[Point], numbers: dict[str, int]) -> None
     axes.minorticks_off()
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+
+
+def torques(panels: Mapping[str, Sequence[tuple[str, Floats, Floats]]]) -> str:
+    """Draw the largest share of a torque limit along motions, a panel for each case; an SVG file of its own."""
+    styles = {
+        name: k for k, name in enumerate(dict.fromkeys(label for lines in panels.values() for label, _, _ in lines))
+    }
+    with mpl.rc_context(RC):
+        figure = sized(1040, 360)
+        for axes, (case, lines) in zip(figure.subplots(1, len(panels)), panels.items(), strict=True):
+            for label, x, y in lines:
+                axes.plot(x, 100 * y, color=SERIES[styles[label]], linestyle=DASHES[styles[label]])
+            axes.axhline(100.0, color=INK, linewidth=1.0)
+            axes.set_title(case)
+            axes.set_xlabel("share of the motion's duration")
+            axes.set_ylim(0.0, 115.0)
+            axes.set_xlim(0.0, 1.0)
+            gridded(axes)
+        figure.axes[0].set_ylabel("largest share of a torque limit, %")
+        figure.subplots_adjust(0.06, 0.14, 0.99, 0.92, wspace=0.12)
+        description = (
+            "Largest share of a torque limit over all joints against the share of the duration, for every motion."
+        )
+        inline = svg(figure, "torques", "Torques along the motions", description)
+    return standalone(str(inline), "Largest share of a torque limit", [(k, name) for name, k in styles.items()])

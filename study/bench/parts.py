@@ -8,6 +8,7 @@ from study.bench import planner_parts
 from study.bench.arms import Answer, arm_rows
 from study.bench.arms import summary as on_arms
 from study.bench.planner_parts import Part, Told
+from study.bench.torque import torque
 from study.errors import unknown
 
 
@@ -52,5 +53,6 @@ PARTS: dict[str, Callable[[int, Told], Part]] = {
     "pieces": planner_parts.pieces,
     "nlp": planner_parts.nlp,
     "ruckig": planner_parts.long_moves,
+    "torque": torque,
 }
 """Parts by name."""

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from study.arm import ArmLimits
 from study.cases.case import Case, Published
 from study.cases.own_case import own_case
 from study.cases.paper_file import SI, CaseFile, Limits, Printed, Rates, Unit, in_si, varied
@@ -20,6 +21,7 @@ from study.files import named
 from study.io.documents import parsed
 from study.planning import Formulation, RunSettings, Synchronisation
 from study.problem import EndCondition, Floats, JointLimits, Problem, frozen_array
+from study.robots.masses import heavy_arm, without_friction
 
 __all__ = ["Case", "Published", "case_names", "load_case", "own_case"]
 
@@ -108,6 +110,7 @@ def _built(file: CaseFile) -> Case:
         limits=_limits(file.limits, file.units),
         end=EndCondition[file.end.upper()],
         duration_bounds=(file.duration_bounds.lower, file.duration_bounds.upper),
+        arm=_arm(file),
     )
     printed = file.settings
     return Case(
@@ -134,6 +137,15 @@ def _built(file: CaseFile) -> Case:
         sources=_sources(file),
         limits_label=file.limits_label,
         variant_of=file.variant_of,
+    )
+
+
+def _arm(file: CaseFile) -> ArmLimits | None:
+    if file.limits.torque is None:
+        return None
+    arm, values = heavy_arm(file.robot or ""), file.limits.torque.values
+    return ArmLimits(
+        without_friction(arm.mechanism), arm.effort if values == "effort" else np.array(values, dtype=float)
     )
 
 
@@ -180,7 +192,10 @@ def _published(entry: Printed, problem: Problem, index: int) -> Published:
 
 
 def _sources(file: CaseFile) -> dict[str, str]:
-    limits = {f"{name} limits": getattr(file.limits, name) for name in ("velocity", "acceleration", "jerk", "position")}
+    limits = {
+        f"{name} limits": getattr(file.limits, name)
+        for name in ("velocity", "acceleration", "jerk", "position", "torque")
+    }
     parts = {
         "waypoints": file.waypoints,
         **limits,

@@ -58,6 +58,12 @@ class Range(Sourced):
     judged: bool = False
 
 
+class Torques(Sourced):
+    """One limit for each joint, N m or N, or `effort` for those that the robot's file states, of the arm without friction."""
+
+    values: list[Positive] | Literal["effort"]
+
+
 class Limits(Strict):
     """Limits of the joints; what is left out does not limit."""
 
@@ -65,6 +71,7 @@ class Limits(Strict):
     acceleration: Rates | None = None
     jerk: Rates | None = None
     position: Range | None = None
+    torque: Torques | None = None
 
 
 class Bounds(Sourced):

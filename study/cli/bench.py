@@ -13,6 +13,7 @@ from study.bench.parts import PARTS, measured
 from study.bench.run import measure, write
 from study.cli.screen import fitted, make_console
 from study.cli.shared import DEFAULT_OUT, audit_flags, write_pages
+from study.errors import StudyError
 
 
 def bench(
@@ -21,12 +22,17 @@ def bench(
     / "bench.json",
     part: Annotated[str | None, typer.Option(help=f"Measure the planner alone: {', '.join(PARTS)}.")] = None,
     seed: Annotated[int, typer.Option(help="Of the problems of a part.")] = 0,
+    page: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Write the page of the part `torque` there.")
+    ] = None,
 ) -> None:
     """Measure kernels, searches and planners next to other packages, and write the report's performance page.
 
     Peers come with the extra `peers`, the compiled kernels with `fast`; what is not installed is said to be missing.
     """
     console = make_console()
+    if page is not None:
+        return _write_torques(part, page, console)
     if part is not None:
         return _print_part(part, seed, console)
     with console.status("measuring") as status:
@@ -43,6 +49,17 @@ def bench(
     page = write_page(out, out.parent / "report")
     write_pages(out.parent, audit_flags(out.parent))
     console.print(f"page: {page}")
+
+
+def _write_torques(part: str | None, folder: Path, console: Console) -> None:
+    if part != "torque":
+        raise StudyError("only the part 'torque' has a page of its own; write --part torque --page FOLDER")
+    from study.bench.torque import loaded, write_page  # here: matplotlib is slow to import
+
+    with console.status("measuring") as status:
+        rows = list(loaded(lambda problem: status.update(f"measuring: {problem}")))
+    for path in write_page(rows, folder):
+        console.print(f"written: {path}")
 
 
 def _print_part(name: str, seed: int, console: Console) -> None:

@@ -133,7 +133,8 @@ class _Samples:
         """Steps between pieces, and rates at both ends."""
         every = [self.problem.limits, *self.problem.segment_limits.values()]
         limited = np.any([np.isfinite(limits.rates) for limits in every], axis=0)
-        held = (np.ones(self.problem.n_joints, dtype=bool), limited[1] | limited[2], limited[2])
+        heavy = self.problem.arm is not None and self.problem.arm.forbids_steps
+        held = (np.ones(self.problem.n_joints, dtype=bool), limited[1] | limited[2] | heavy, limited[2])
         for order in range(3):
             scale = self.span
             if order:

@@ -111,7 +111,8 @@ def _point_excesses(problem: Problem, curve: Curve) -> Iterator[np.longdouble]:
         yield ((error - allowed[waypoint]) / span).max()
     every = [problem.limits, *problem.segment_limits.values()]
     limited = np.any([np.isfinite(limits.rates) for limits in every], axis=0)
-    held = [np.full(problem.n_joints, True), limited[1] | limited[2], limited[2]]
+    heavy = problem.arm is not None and problem.arm.forbids_steps
+    held = [np.full(problem.n_joints, True), limited[1] | limited[2] | heavy, limited[2]]
     scales = [span, *(_scale(problem, curve, order) for order in (1, 2))]
     for order in range(3):
         unit = curve.unit(order)

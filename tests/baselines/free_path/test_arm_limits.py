@@ -62,3 +62,11 @@ def test_where_the_arm_cannot_hold_itself_that_is_the_reason():
     plan = FIRST.plan(slow, SETTINGS)
     assert plan.motion is None
     assert "slowing down does not help" in plan.message
+
+
+def test_where_nothing_but_torque_limits_accelerations_the_velocity_does_not_step():
+    problem = replace(walk(torque=[60.0, 20.0]), limits=JointLimits([1.5, 1.2]))
+    plan = FIRST.plan(problem, SETTINGS)
+    verdict = judge(problem, plan.motion)
+    assert verdict.feasible, verdict.reasons
+    assert verdict.arm_shares[0].max() > 0.9
