@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from study.bench.arm_peers import PEERS, stations_of
+from study.bench.arm_peers import PEERS
 from study.bench.arms import Answer, Row, said, summary
 from study.bench.parts import PARTS, measured
+from study.bench.spline_peers import stations_of
 from study.errors import StudyError
 from study.judge import judge
 from study.suites.tasks import arm_problems
