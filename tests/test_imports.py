@@ -21,7 +21,10 @@ OWNERS = {
     "rerun": ("study/recording/",),
     "matplotlib": (
         "study/report/bars.py",
-        *(f"study/{part}/figures.py" for part in ("report", "reproduction", "comparison", "bench", "notebook")),
+        *(
+            f"study/{part}/figures.py"
+            for part in ("report", "reproduction", "comparison", "suites", "bench", "notebook")
+        ),
     ),
     "numba": ("study/curves/compiled/kernels.py", "baselines/free_path/compiled"),
     "pickle": ("study/runs/pool.py",),  # between the run's own processes only

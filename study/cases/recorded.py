@@ -11,15 +11,32 @@ import numpy as np
 from study.cases.case import Case
 from study.cases.paper_file import SI
 from study.errors import StudyError, plural, unknown
+from study.io.exact import holds_coefficients
 from study.io.limits import LimitFile, read_limits
 from study.io.one_joint import OneJoint
+from study.io.passages import passages
 from study.io.samples import Samples
 from study.io.waypoints import ROUNDED, unwound
 from study.limits import JointLimits
 from study.planning import usual_settings
 from study.problem import EndCondition, Floats, Problem
+from study.trajectory import Motion, Trajectory
 
 RATES = ("velocity", "acceleration", "jerk")
+
+
+def is_exact(file: Path) -> bool:
+    """Whether a file holds a motion as exact polynomials."""
+    return file.name.lower().endswith(".exact.json") or holds_coefficients(file)
+
+
+def passing(motion: Motion, case: Case) -> Motion:
+    """Motion with the times at which it passes the waypoints of a case; as it is where there is nothing to look for."""
+    if not isinstance(motion, Trajectory) or motion.n_joints != case.problem.n_joints:
+        return motion
+    problem = case.problem
+    times = passages(motion.knots, motion.coefficients, problem.waypoints, problem.tolerances)
+    return replace(motion, waypoint_times=times)
 
 
 def limits_alone(samples: Samples, files: Sequence[Path], units: str | None, where: str) -> tuple[Case, Samples]:

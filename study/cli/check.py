@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -13,22 +12,21 @@ from rich.console import Console
 from study.api import automatic
 from study.cases.library import Case, load_case
 from study.cases.obstacles import Nearest, may_be_driven, nearest
-from study.cases.recorded import limits_alone, motion_of, with_room
+from study.cases.recorded import is_exact, limits_alone, motion_of, passing, with_room
 from study.cautions import cautions, ends_said
 from study.cli import terminal
 from study.cli.inputs import Joints, LimitFiles, load_any
 from study.cli.screen import make_console
 from study.cli.shared import INFEASIBLE
 from study.errors import StudyError, plural
-from study.io.exact import holds_coefficients, read_exact
-from study.io.passages import passages
+from study.io.exact import read_exact
 from study.io.recordings import holds_samples, read_samples
 from study.io.sampled import Interpolation, breaches, joined
 from study.io.samples import Samples
 from study.judge import Verdict, judge
 from study.path_findings import largest_deviation
 from study.registry import planner_about
-from study.trajectory import Motion, Trajectory
+from study.trajectory import Motion
 
 SAMPLED = 1e-3
 """Share by which limits may be exceeded between samples unless said otherwise: what their rounding may cost."""
@@ -62,8 +60,8 @@ def check(
 ) -> None:
     """Check a case and say what was understood; or judge a trajectory: 0 if it is feasible, 3 if it is not."""
     console = make_console()
-    samples = None if _exact(file) or not (case or holds_samples(file)) else read_samples(file)
-    if case is None and not _exact(file) and (samples is None or not _timed(samples, interpolation)):
+    samples = None if is_exact(file) or not (case or holds_samples(file)) else read_samples(file)
+    if case is None and not is_exact(file) and (samples is None or not _timed(samples, interpolation)):
         _explain(_case(file, units, limits or [], joints), console)
         return
     if case is not None and limits:
@@ -72,7 +70,7 @@ def check(
     if samples is None:
         motion, known = read_exact(file), _known(case, where)
         warn(known, console)
-        feasible = report_verdict(known, _passing(motion, known), console, {"read as": "exact polynomials"})
+        feasible = report_verdict(known, passing(motion, known), console, {"read as": "exact polynomials"})
     else:
         if case is None and limits:
             known, samples = limits_alone(samples, limits, units, where)
@@ -86,10 +84,6 @@ def check(
     console.print("feasible")
 
 
-def _exact(file: Path) -> bool:
-    return file.name.lower().endswith(".exact.json") or holds_coefficients(file)
-
-
 def _timed(samples: Samples, interpolation: Interpolation | None) -> bool:
     """Whether samples are a trajectory and no waypoints: rates are given, or an interpolation is asked for."""
     return samples.times is not None and (samples.velocities is not None or interpolation is not None)
@@ -99,14 +93,6 @@ def _known(case: str | None, where: str, other: str = "") -> Case:
     if case is None:
         raise StudyError(f"{where} holds a trajectory: name the case that it solves with --case{other}")
     return load_case(case)
-
-
-def _passing(motion: Motion, case: Case) -> Motion:
-    if not isinstance(motion, Trajectory) or motion.n_joints != case.problem.n_joints:
-        return motion
-    problem = case.problem
-    times = passages(motion.knots, motion.coefficients, problem.waypoints, problem.tolerances)
-    return replace(motion, waypoint_times=times)
 
 
 def _judge_samples(

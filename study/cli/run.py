@@ -74,6 +74,9 @@ def run(
             "--suite", metavar="SUITE", help="Problems of a suite and its line-up, see `study list --suites`."
         ),
     ] = None,
+    lineup: Annotated[
+        str | None, typer.Option(metavar="NAME", help="With --suite: deterministic or growth, in the place of its own.")
+    ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="With --suite: the problems marked quick, small budgets and few seeds.")
     ] = False,
@@ -102,20 +105,20 @@ def run(
 
     What is stored is not run again: run the same command to go on after an interruption.
     """
-    if suite is not None and suite != PAPERS:
+    if suite is not None and (suite, lineup) != (PAPERS, None):
         _suite_alone(cases, full, live)
         from study.cli.suite_run import Asked, run_suite  # here: its measures are slow to import
 
-        asked = Asked(quick, names_in(planners), seeds, evaluations, time_limit)
+        asked = Asked(quick, names_in(planners), lineup, seeds, evaluations, time_limit)
         run_suite(suite, asked, out, Workers.of(jobs, fresh, memory, dask), make_console())
         return
-    if quick:
-        raise StudyError("--quick goes with --suite; without one `study run` is quick, and --full is not")
+    if quick or lineup:
+        raise StudyError("--quick and --lineup go with --suite; without one `study run` is quick, and --full is not")
     loaded = _cases(cases)
     budget = _budget(seeds, evaluations, full, time_limit)
-    lineup = _lineup(planners)
+    chosen_planners = _lineup(planners)
     workers = Workers.of(jobs, fresh, memory, dask)
-    cells = make_cells([case for case, _ in loaded.values()], lineup, budget)
+    cells = make_cells([case for case, _ in loaded.values()], chosen_planners, budget)
     chosen = {name: case for name, (case, _) in loaded.items()}
     console = make_console()
     with Store(out / STORE_NAME) as store:

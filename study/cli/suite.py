@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from study.cases.suite_file import suites_folder
-from study.cli.shared import DEFAULT_OUT, Out
+from study.cases.suites import suite_named
+from study.cli.shared import DEFAULT_OUT, INFEASIBLE, Out
 from study.files import write_file
 
 suite_app = typer.Typer(
@@ -37,6 +38,39 @@ def make(
     drawn = making.make(name, seed)
     path = write_file(out or suites_folder() / f"{name}.json", making.text_of(drawn))
     print(f"{len(drawn.problems)} problems, checksum {drawn.checksum}, written to {path}")
+
+
+@suite_app.command()
+def submit(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A trajectory in any format that `study check` judges.")],
+    problem: Annotated[str, typer.Option(metavar="PROBLEM", help="SUITE:NAME of the problem that it solves.")],
+    by: Annotated[str, typer.Option(metavar="NAME", help="Who found it, and how, in a few words.")],
+    units: Annotated[str | None, typer.Option(help="As for `study check`.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Record to write; named after the problem by default.")
+    ] = None,
+) -> None:
+    """Judge a trajectory against the best known one of its problem, and write a record to contribute; ends with 3 if it fails."""
+    from study.cli.suite_run import submitted  # here: its measures are slow to import
+
+    if not submitted(file, problem, by, units, out):
+        raise typer.Exit(INFEASIBLE)
+
+
+@suite_app.command()
+def records(name: Name) -> None:
+    """Print the best known times of a suite, who found them and what is proved, as a table in Markdown."""
+    from study.suites.records import records_table  # here: its packages are slow to import
+
+    print(records_table(suite_named(name)))
+
+
+@suite_app.command()
+def law(name: Annotated[str, typer.Argument(metavar="SUITE", help="A suite of growing problems.")] = "scaling") -> None:
+    """Tell in numbers how methods fall behind as problems grow, from the committed runs."""
+    from study.suites.law import committed_law  # here: its packages are slow to import
+
+    print(committed_law(suite_named(name)))
 
 
 @suite_app.command()

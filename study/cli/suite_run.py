@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,23 +11,37 @@ from rich.table import Table
 from rich.text import Text
 
 from study.analysis.formatting import percent, wall
-from study.analysis.tables import write_table
 from study.cases.case import Case
+from study.cases.library import load_case
 from study.cases.suite_file import suites_folder
-from study.cases.suites import Suite, suite_named
-from study.cli.screen import SafeConsole, complain, fitted
+from study.cases.suites import PAPERS, Suite, suite_named
+from study.cli.check import report_verdict
+from study.cli.screen import SafeConsole, complain, fitted, make_console
 from study.cli.shared import STORE_NAME, SUITE_NOTE, Workers, last_run, run_missing, suite_noted
 from study.errors import StudyError, plural
 from study.files import replacing, write_file
+from study.io.filenames import file_stem
 from study.planning import Planner
 from study.registry import method_named, unavailable_planners
+from study.runs.environment import environment
 from study.runs.execute import cell_jobs, stored_results
 from study.runs.remembered import remember_lineup
 from study.store.results import Result
 from study.store.store import Store
-from study.suites.lineups import Lineup, chosen_cases, given_lineup, suite_cells, usual_lineup
+from study.suites.lineups import Lineup, chosen_cases, given_lineup, lineup_named, suite_cells, usual_lineup
 from study.suites.measures import Field, Run, Score, best_in, runs_file, runs_of, scores, write_runs
-from study.suites.records import contradictions, improved, known_times, records_file, records_of, records_text
+from study.suites.page import write_page
+from study.suites.papers import papers_marks
+from study.suites.records import (
+    ProblemRecords,
+    contradictions,
+    improved,
+    known_times,
+    records_file,
+    records_of,
+    records_text,
+)
+from study.suites.submission import ENDING, record_text, submission
 
 
 @dataclass(frozen=True)
@@ -39,6 +53,8 @@ class Asked:
     quick : bool
     planners : sequence of str
         In the place of the line-up's, with one time limit.
+    lineup : str, optional
+        Name of a line-up in the place of the suite's own.
     seeds, evaluations : int, optional
     time_limit : float, s
         Of planners that were asked for.
@@ -46,6 +62,7 @@ class Asked:
 
     quick: bool
     planners: Sequence[str]
+    lineup: str | None
     seeds: int | None
     evaluations: int | None
     time_limit: float
@@ -54,7 +71,7 @@ class Asked:
 def run_suite(name: str, asked: Asked, out: Path, workers: Workers, console: SafeConsole) -> None:
     """Run what the store does not have of a suite, and show it."""
     suite = suite_named(name)
-    lineup = given_lineup(asked.planners, asked.time_limit) if asked.planners else usual_lineup(suite)
+    lineup = _lineup(suite, asked)
     cases = chosen_cases(suite, asked.quick)
     chosen = {case.name: case for case in cases}
     cells = suite_cells(cases, lineup, asked.quick, asked.seeds, asked.evaluations)
@@ -75,6 +92,14 @@ def show_last_suite(out: Path, console: SafeConsole) -> None:
     suite = suite_of_last_run(out)
     cases, _, results = last_run(out)
     show_suite(suite, cases, results, out, console)
+
+
+def _lineup(suite: Suite, asked: Asked) -> Lineup:
+    if asked.planners:
+        if asked.lineup:
+            raise StudyError("give --planners or --lineup, not both")
+        return given_lineup(asked.planners, asked.time_limit)
+    return lineup_named(asked.lineup) if asked.lineup else usual_lineup(suite)
 
 
 def _head(suite: Suite, problems: int, lineup: Lineup) -> list[str]:
@@ -113,12 +138,11 @@ def show_suite(
     if not runs:
         raise StudyError(f"no stored result belongs to suite {suite.name!r}; run `study run --suite {suite.name}`")
     field = Field(tuple(runs), best_in(runs, known_times(suite)))
-    folder = out / "suite"
-    folder.mkdir(parents=True, exist_ok=True)
-    write_table(folder / "runs", [asdict(run) for run in runs])
+    with console.status("writing the page"):
+        page = write_page(suite, field, records_of(suite), papers_marks(), out / "suite", environment())
     with console.paged():
         console.print(score_table(console, f"Suite {suite.name}, checksum {suite.checksum}", scores(field)))
-        console.print(bound_line(runs, field), f"runs: {folder / 'runs.parquet'}", sep="\n")
+        console.print(bound_line(runs, field), f"page: {page}", sep="\n")
 
 
 def kept_run(out: Path) -> Iterator[tuple[Path, str]]:
@@ -147,6 +171,31 @@ def kept_run(out: Path) -> Iterator[tuple[Path, str]]:
     better = sum(records[name] != known.get(name) for name in records)
     write_file(records_file(suite), records_text(suite, records))
     yield records_file(suite), f"records of {plural(len(records), 'problem')}, {better} of them new or better"
+
+
+def submitted(file: Path, problem: str, by: str, units: str | None, out: Path | None) -> bool:
+    """Judge a trajectory against the best known one of its problem, print the verdict and write the record; whether it holds."""
+    suite = suite_named(problem.partition(":")[0] if ":" in problem else PAPERS)
+    case = load_case(problem)
+    if case.name not in suite.cases:
+        raise StudyError(f"case {case.name!r} is in no suite; name a problem of one, see `study list --suites`")
+    given = submission(file, case, units)
+    console = make_console()
+    if given.stretch > 1.0:
+        console.print(f"it breaks limits and is slowed down by {given.stretch:.6g}, the least that keeps them")
+    if not report_verdict(case, given.motion, console):
+        return False
+    best = records_of(suite).get(case.name, ProblemRecords())
+    for kind, record in best.best.items():
+        gap = percent(given.verdict.duration / record.duration - 1.0)
+        console.print(f"best known, {kind}: {record.duration:.6f} s by {record.by}; this one {gap}")
+    if best.bound:
+        console.print(
+            f"{percent(given.verdict.duration / best.bound - 1.0)} above the proved bound of {best.bound:.6f} s"
+        )
+    path = write_file(out or Path(f"{file_stem(problem)}{ENDING}"), record_text(given, suite, by))
+    console.print(f"record: {path}; to contribute it, put it into data/suites/records/{suite.name}/")
+    return True
 
 
 def score_table(console: SafeConsole, title: str, ranked: Sequence[Score]) -> Table:

@@ -93,13 +93,15 @@ def usual_lineup(suite: Suite) -> Lineup:
         For the papers, whose run is the default one.
     """
     if suite.name == PAPERS:
-        raise StudyError("the suite of the papers is what `study run` takes by itself; leave --suite out")
+        raise StudyError(
+            "the suite of the papers is what `study run` takes by itself; leave --suite out, or name a --lineup"
+        )
     return LINEUPS[USUAL.get(suite.name, "deterministic")]
 
 
 def chosen_cases(suite: Suite, quick: bool) -> list[Case]:
     """Cases of a run; a quick one takes those with the tag `quick`, or all where none has it."""
-    tagged = [case for name, case in suite.cases.items() if QUICK in suite.problems[name].tags]
+    tagged = [suite.cases[name] for name, problem in suite.problems.items() if QUICK in problem.tags]
     return tagged if quick and tagged else list(suite.cases.values())
 
 

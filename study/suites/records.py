@@ -10,6 +10,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
+from study.analysis.formatting import percent
 from study.cases.case import Case
 from study.cases.suite_file import suites_folder
 from study.cases.suites import Suite
@@ -73,13 +74,25 @@ def records_of(suite: Suite) -> dict[str, ProblemRecords]:
     StudyError
         If the file is broken, or its records are of other problems.
     """
-    path = records_file(suite)
-    if not path.is_file():
-        return {}
-    file = checked(RecordsFile, parsed(path), f"file {path.name!r}")
-    if unknown := sorted(file.problems.keys() - suite.cases.keys()):
+    path, known = records_file(suite), dict[str, ProblemRecords]()
+    if path.is_file():
+        known = checked(RecordsFile, parsed(path), f"file {path.name!r}").problems
+    for file in sorted(path.with_suffix("").glob("*.exact.json")):
+        name, record = _contributed(file)
+        old = known.get(name, ProblemRecords())
+        if Freedom.FREE not in old.best or record.duration < old.best[Freedom.FREE].duration:
+            known = known | {name: old.model_copy(update={"best": {**old.best, Freedom.FREE: record}})}
+    if unknown := sorted(known.keys() - suite.cases.keys()):
         raise StudyError(f"records {path.name!r}: suite {suite.name!r} has no problem {unknown[0]!r}")
-    return file.problems
+    return known
+
+
+def _contributed(file: Path) -> tuple[str, Record]:
+    """Problem and record of a file that `study suite submit` wrote; whoever changes it is found out by the judge."""
+    said = parsed(file).get("record")
+    if not isinstance(said, dict) or not {"problem", "duration", "by"} <= said.keys():
+        raise StudyError(f"file {file.name!r} is no record; write it with `study suite submit`")
+    return str(said["problem"]), Record(duration=said["duration"], by=str(said["by"]), file=file.name)
 
 
 def known_times(suite: Suite) -> dict[tuple[str, str], float]:
@@ -158,3 +171,16 @@ def records_text(suite: Suite, records: Mapping[str, ProblemRecords]) -> str:
     head = f'"suite": {json.dumps(suite.name)}, "checksum": {json.dumps(suite.checksum)}'
     lines = [f" {json.dumps(name)}: {each.model_dump_json(exclude_none=True)}" for name, each in records.items()]
     return "{" + head + ', "problems": {\n' + ",\n".join(lines) + "\n}}\n"
+
+
+def records_table(suite: Suite) -> str:
+    """Best known times and bounds as a table in Markdown, a row for each problem."""
+    heads = ["problem", *(f"{kind}, s" for kind in Freedom), "found by", "bound, s", "above it"]
+    lines = [heads, ["---"] + ["---:"] * len(Freedom) + ["---", "---:", "---:"]]
+    for name, each in records_of(suite).items():
+        times = [f"{each.best[kind].duration:.5g}" if kind in each.best else "–" for kind in Freedom]
+        best = min(each.best.values(), key=lambda record: record.duration, default=None)
+        above = "–" if best is None or not each.bound else percent(best.duration / each.bound - 1.0)
+        bound = "–" if each.bound is None else f"{each.bound:.5g}"
+        lines.append([name, *times, "–" if best is None else best.by, bound, above])
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)

@@ -31,7 +31,7 @@ def test_a_suite_is_drawn_into_a_file(study_command, tmp_path):
         (("--suite", "nope"), "no suite 'nope'"),
         (("--suite", "hard", "--full"), "--full does not go with it"),
         (("--suite", "hard", "--cases", "woodworking"), "--cases does not go with it"),
-        (("--quick",), "goes with --suite"),
+        (("--quick",), "go with --suite"),
     ],
 )
 def test_what_does_not_go_together_is_told(study_command, tmp_path, arguments, said):

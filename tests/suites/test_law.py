@@ -1,0 +1,87 @@
+"""The law of growth on runs that follow a known one, and the page that tells it."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from study.cases.suites import suite_named
+from study.errors import StudyError
+from study.suites.law import committed_law, growths, paragraph
+from study.suites.measures import Field, Run, best_in, read_runs, runs_file
+from study.suites.page import write_page
+
+BASE = Run(
+    "scaling:x", 3, 7, False, "casadi-nlp", "case's curve", 0, 0, "FINISHED", True, 1.0, 1.0, 2.0, 0.0, ""
+)  # fmt: skip
+SIZES = (3, 9, 19, 49)
+
+
+@pytest.fixture(scope="module")
+def field():
+    """Three problems of every size; `pso` is 0.001 (n / 3)^1.5 behind, `de` finds the optimum, `worse` fails at the last size."""
+    names = {n: [f"scaling:s{n}-j7-{letter}" for letter in "abc"] for n in SIZES}
+    runs = []
+    for n, problems in names.items():
+        for problem in problems:
+            runs.append(replace(BASE, problem=problem, segments=n))
+            for seed in range(3):
+                search = replace(BASE, problem=problem, segments=n, evaluations=1000, seed=seed)
+                runs.append(replace(search, planner="pso", duration=1.0 + 1e-3 * (n / 3) ** 1.5))
+                runs.append(replace(search, planner="de"))
+                runs.append(replace(search, planner="worse", feasible=n < SIZES[-1], duration=1.02))
+    return Field(tuple(runs), best_in(runs))
+
+
+def test_exponent_and_marks_are_those_of_the_law(field):
+    grown = {each.planner: each for each in growths(field)}
+    pso = grown["pso"]
+    assert pso.exponent.estimate == pytest.approx(1.5, abs=1e-9)
+    assert (pso.exponent.lower, pso.exponent.upper) == pytest.approx((1.5, 1.5), abs=1e-9)
+    assert pso.passes[0.01] == pytest.approx(3 * 10 ** (2 / 3), rel=1e-6)
+    assert pso.passes[0.1] is None
+    assert grown["de"].exponent is None
+    assert [point.gap.estimate for point in grown["de"].points] == [0.0] * 4
+
+
+def test_failures_are_infinitely_far_behind_and_counted(field):
+    last = {each.planner: each for each in growths(field)}["worse"].points[-1]
+    assert (last.failed, last.runs, last.gap.estimate) == (9, 9, np.inf)
+    assert "9 of 108 runs brought no feasible motion" in paragraph(field)
+
+
+def test_the_paragraph_tells_the_numbers(field):
+    text = paragraph(field)
+    assert "7 joints" in text
+    assert "1.5 [1.5, 1.5] for pso" in text
+    assert "14 segments for pso" in text
+    assert paragraph(Field((BASE,), best_in([BASE]))) == ""
+
+
+def test_the_page_has_figure_scores_ranks_and_failures(field, tmp_path):
+    suite = suite_named("scaling")
+    page = write_page(
+        suite, replace(field), {}, [("woodworking", 3, 1e-3, "golds-pso")], tmp_path / "suite", {"a": "b"}
+    )
+    text = page.read_text()
+    assert suite.checksum in text
+    assert text.count("<svg") >= 3
+    for said in ("How far methods fall behind", "Scores", "Ranks", "Failures", "woodworking", "worse"):
+        assert said in text
+    assert not re.search(r"https?://(?!www.w3.org)", text)
+    assert (tmp_path / "suite" / "runs.parquet").is_file()
+
+
+def test_a_suite_without_committed_searches_has_no_law():
+    with pytest.raises(StudyError, match="no committed"):
+        committed_law(suite_named("hard"))
+
+
+@pytest.mark.parametrize("name", ["scaling", "scaling-second"])
+def test_the_committed_law_holds(name):
+    suite = suite_named(name)
+    if not runs_file(suite).is_file():
+        pytest.skip("no runs are committed")
+    assert {run.problem for run in read_runs(runs_file(suite))} <= suite.cases.keys()
+    assert "segments" in committed_law(suite)
