@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from study.cases.library import Case
+from study.cautions import unbounded_joints
 from study.judge import Verdict
 from study.pathfinding.world import World, arm_clearance, segment_distances
-from study.problem import Floats
+from study.problem import Floats, Problem
 from study.robots import Robot, robot_named
 from study.trajectory import Motion
 
@@ -23,6 +24,9 @@ MILLIMETRE = 1e-3
 FINEST = 1e-5
 """A motion that comes nearer than this, m, without touching is not proved to be clear."""
 
+
+AT_REST = 1e-6
+"""Speed below which a joint stands still, rad/s or m/s."""
 
 MOST = 100_000
 """Instants after which what is proved so far must do."""
@@ -81,11 +85,32 @@ def may_be_driven(verdict: Verdict, nearest: Nearest | None) -> bool:
 DRIVEN = {True: "may be driven", False: "must not be driven"}
 """Words that terminal, report and recording share."""
 
+UNFOLLOWED = "within its limits, but no arm can follow it"
+"""Words for a motion within its limits whose speed steps, as it may where a joint has no acceleration limit."""
+
+
+def said_of(problem: Problem, verdict: Verdict, good: bool) -> str:
+    """Say whether a motion may be driven, once the judge and the obstacles have spoken.
+
+    Parameters
+    ----------
+    problem : Problem
+    verdict : Verdict
+    good : bool
+        As `may_be_driven` says.
+    """
+    loose = unbounded_joints(problem)
+    given = [np.zeros(problem.n_joints) if end.velocity is None else end.velocity for end in problem.end_states]
+    steps = verdict.continuity < 1 or bool((np.abs(verdict.end_velocity - given)[:, loose] > AT_REST).any())
+    return UNFOLLOWED if good and loose.any() and steps else DRIVEN[good]
+
 
 def driving(case: Case, motion: Motion, verdict: Verdict) -> str:
     """Say of a motion whether it may be driven and, where the case has anything to touch, how near it comes."""
     clearance = nearest(case, motion)
-    return DRIVEN[may_be_driven(verdict, clearance)] + (f": {clearance.sentence}" if clearance else "")
+    return said_of(case.problem, verdict, may_be_driven(verdict, clearance)) + (
+        f": {clearance.sentence}" if clearance else ""
+    )
 
 
 def nearest(case: Case, motion: Motion) -> Nearest | None:

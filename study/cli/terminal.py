@@ -15,7 +15,7 @@ from rich.text import Text
 from study.analysis.arm_uses import arm_uses
 from study.analysis.formatting import DASH
 from study.cases.library import Case
-from study.cases.obstacles import DRIVEN, Nearest
+from study.cases.obstacles import DRIVEN, Nearest, said_of
 from study.cautions import ends_said
 from study.cli.screen import clean, fitted
 from study.judge import RATES, Verdict
@@ -46,7 +46,8 @@ def card(case: Case, verdict: Verdict, good: bool, clearance: Nearest | None, fa
     grid = Table.grid(padding=(0, 2))
     grid.add_column(style="bold", no_wrap=True)
     grid.add_column(overflow="fold")
-    drive = Text(DRIVEN[good], style="bold green" if good else "bold red")
+    said = said_of(case.problem, verdict, good)
+    drive = Text(said, style="bold green" if said == DRIVEN[True] else "bold red")
     grid.add_row(Text(case.name), Text.assemble(f"{verdict.duration:.9g} s, ", drive))
     if np.isfinite(case.problem.limits.rates).any():
         grid.add_row("binding", Text(_binding(case.problem, verdict)))

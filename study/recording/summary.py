@@ -10,6 +10,7 @@ import rerun as rr
 from study.analysis.formatting import DASH, count, percent, seconds, wall
 from study.analysis.ladder import Rung
 from study.analysis.methods import Kind, MethodSummary
+from study.cases.obstacles import UNFOLLOWED
 from study.planning import Freedom
 from study.problem import Floats
 from study.recording.contents import Contents
@@ -224,7 +225,9 @@ def _winner(contents: Contents) -> str:
     clear = [method for method in feasible if contents.summary.clear(method)]
     if not clear:
         return "**No motion may be driven: every feasible one touches something, or is not proved not to.**"
-    return f"**Fastest that may be driven: {plain(clear[0].label)}, {seconds(clear[0].duration)}.**"
+    steps = contents.summary.driving.get(clear[0].label, "").startswith(UNFOLLOWED)
+    said = UNFOLLOWED if steps else "that may be driven"
+    return f"**Fastest {said}: {plain(clear[0].label)}, {seconds(clear[0].duration)}.**"
 
 
 def _key(scene: str) -> str:

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from study import EndCondition, JointLimits, Problem, Trajectory, judge
+from study import EndCondition, JointLimits, Problem, Trajectory, judge, plan
 from study.analysis.case_summary import summarise_case
 from study.cases import obstacles
 from study.cases.library import load_case
-from study.cases.obstacles import may_be_driven, nearest
+from study.cases.obstacles import DRIVEN, UNFOLLOWED, may_be_driven, nearest, said_of
 from study.cli.check import report_verdict
 from study.cli.run_tables import reasons
 from study.pathfinding.world import segment_distances
@@ -119,6 +119,20 @@ def test_a_case_file_may_ask_for_both(tmp_path):
     text = "units: rad\nwaypoints: [[0, 0, 0, 0, 0, 0], [1, 0, 0, 0, 0, 0]]\nlimits: {velocity: 1}\n"
     path.write_text(text + "robot: ur5\nself_collision: true\n")
     assert load_case(path).self_collision
+
+
+@pytest.mark.parametrize(
+    ("planner", "said"), [("straight", UNFOLLOWED), ("casadi-nlp", DRIVEN[True]), ("ruckig-stops", UNFOLLOWED)]
+)
+def test_a_motion_whose_speed_steps_is_not_said_to_be_one_that_may_be_driven(planner, said):
+    limits = JointLimits(np.array([1.0, 0.8]))
+    problem = Problem("mine", np.array([[0.0, 0.2], [0.5, -0.1], [0.9, 0.3], [1.4, 0.1]]), limits)
+    verdict = plan(problem, planner).verdict
+    assert verdict.feasible
+    assert said_of(problem, verdict, True) == said
+    assert said_of(problem, verdict, False) == DRIVEN[False]
+    bounded = replace(problem, limits=replace(limits, acceleration=np.array([2.0, 1.5])))
+    assert said_of(bounded, plan(bounded, "ruckig-stops").verdict, True) == DRIVEN[True]
 
 
 @pytest.mark.parametrize("clear", [True, False])
