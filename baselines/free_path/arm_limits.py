@@ -27,11 +27,11 @@ from study.tolerances import TOLERANCE
 from study.trajectory import Motion
 
 ROUNDS, FEW, SAMPLES = 7, 4, 80
-"""Motions that are planned at most either way, or where it must be quick; instants of every segment that are looked at."""
+"""Motions planned at most either way, or where it must be quick; instants of every segment that are looked at."""
 
 LEAST, MOST, ROOM, SAFE = 0.25, 1.6, 1e-3, 0.02
-"""Factors on the rates of a segment from one round to the next, and the share of the arm's limits that is left free: more
-where the motion may not be slowed down at last."""
+"""Factors on the rates of a segment from one round to the next, and the share of the arm's limits that is left free:
+more where the motion may not be slowed down at last."""
 
 ENOUGH, PATIENCE = 2e-3, 2
 """Gain in duration that counts, and rounds without one after which no further follows."""

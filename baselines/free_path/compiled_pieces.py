@@ -1,7 +1,7 @@
 """The compiled variant of the pieces' rows; importing this file imports numba.
 
-It follows `baselines.free_path.pieces` equation by equation, one segment and joint after the other, so that both give the
-same numbers to rounding.
+It follows `baselines.free_path.pieces` equation by equation, one segment and joint after the other, so that both give
+the same numbers to rounding.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ def begin(
 
 @kernel
 def _remainder(right: Floats, matrix: Floats, vector: Floats, rest: Floats) -> None:
-    """What is left of a right side."""
+    """Remainder of a right side."""
     for p in range(len(right)):
         total = right[p]
         for q in range(len(vector)):

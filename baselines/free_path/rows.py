@@ -41,7 +41,7 @@ class Rows:
         return vector[self.cut :].reshape(self.on_nodes)
 
     def at(self, point: Point) -> Pieces:
-        """Evaluate everything at a point; the rows become one vector of distances from all bounds, 1 where there is none."""
+        """Evaluate all at a point; rows become one vector of distances from all bounds, 1 where there is none."""
         at, rows = pieces_at(self.model, self.bounds, point), np.empty(len(self.active))
         rows[: self.cut] = at.rows.ravel()
         self.fill_nodes(rows, point.nodes)

@@ -110,7 +110,7 @@ def _monotone(path: Path, waypoints: Floats) -> tuple[Floats, Floats]:
 
 
 def _leaves(path: Path, limits: JointLimits) -> np.ndarray:
-    """Whether cubics leave the range of positions, shape (n_segments, n_joints)."""
+    """Tell of cubics if they leave the range of positions, shape (n_segments, n_joints)."""
     unit = polynomial.stretched(np.moveaxis(path.cubics, 1, 2), np.diff(path.knots)[:, None])
     lowest, _, highest, _ = polynomial.extrema(unit)
     return np.asarray((lowest < limits.lower - FLOOR) | (highest > limits.upper + FLOOR))

@@ -63,7 +63,7 @@ COMMANDS = {
     "pictures": Entry(
         "pictures",
         "pictures",
-        "Draw pictures of stored results: the ladder, one joint's profiles and the viewer's first look.",
+        "Draw pictures of stored results: the ladder, one joint's profiles, the viewer's first look and its arms, moving.",
     ),
     "cases": Entry("listing", "cases_app", "Look at the cases."),
     "suite": Entry("suite", "suite_app", "Look after the suites of problems and their records."),

@@ -143,7 +143,7 @@ def test_terminal_report_and_recording_say_the_same_of_a_motion(arm, clear):
     summary = summarise_case(case, [CellJob(cell, case.problem).run()], ())
     [method] = summary.whole
     said = summary.driving["ruckig-stops"]
-    assert said.startswith("may be driven: the arm stays" if clear else "must not be driven: the arm hits an obstacle")
+    assert said.startswith(f"{UNFOLLOWED}: the arm stays" if clear else "must not be driven: the arm hits an obstacle")
     [record] = records(RESULTS, [(summary, method, "arm.yaml")])
     assert record["driving"] == said
     words = markdown(Contents(summary, (), 1.0, 2)).splitlines()
@@ -157,4 +157,4 @@ def test_terminal_report_and_recording_say_the_same_of_a_motion(arm, clear):
     assert summary.clear(method) is clear
     assert (f"ruckig-stops: {said}" in [*reasons(summary)]) is not clear
     headline = _winner(Contents(summary, (), 1.0, 2))
-    assert ("Fastest that may be driven" if clear else "No motion may be driven") in headline
+    assert (f"Fastest {UNFOLLOWED}" if clear else "No motion may be driven") in headline
