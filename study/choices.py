@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from enum import StrEnum
+from functools import cache
+from typing import get_type_hints
 
 from study.errors import unknown
 
@@ -24,19 +26,22 @@ class Choice(StrEnum):
         raise unknown(kind, str(value), [str(member) for member in cls])
 
 
-def convert(options: object, **kinds: type[Choice]) -> None:
-    """Turn the texts among a frozen dataclass's fields into members of their enumerations.
-
-    Parameters
-    ----------
-    options : dataclass instance
-        To be called from its `__post_init__`.
-    **kinds : enumeration for each field
+class Options:
+    """Base of dataclasses whose options are choices: a text in the place of a choice becomes its member.
 
     Raises
     ------
     StudyError
         If a text is not a member.
     """
-    for field, kind in kinds.items():
-        object.__setattr__(options, field, kind(getattr(options, field)))
+
+    def __post_init__(self) -> None:
+        own: type = self.__class__
+        for name, kind in _choices(own).items():
+            object.__setattr__(self, name, kind(getattr(self, name)))
+
+
+@cache
+def _choices(options: type) -> dict[str, type[Choice]]:
+    kinds = get_type_hints(options).items()
+    return {name: kind for name, kind in kinds if isinstance(kind, type) and issubclass(kind, Choice)}

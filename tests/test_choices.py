@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from study import StudyError
-from study.choices import Choice, convert
+from study.choices import Choice, Options
 
 
 class GripperState(Choice):
@@ -14,16 +14,15 @@ class GripperState(Choice):
 
 
 @dataclasses.dataclass(frozen=True)
-class Gripper:
+class Gripper(Options):
     state: GripperState = GripperState.OPEN
-
-    def __post_init__(self):
-        convert(self, state=GripperState)
+    name: str = "gripper"
 
 
 def test_the_fields_of_a_dataclass_take_texts_and_keep_members():
     assert Gripper("half-shut").state is GripperState.HALF_SHUT
     assert Gripper("open") == Gripper()
+    assert Gripper("open", "open").name == "open"  # only what is a choice becomes one
 
 
 def test_an_unknown_text_is_refused_by_the_enumerations_name_in_plain_words():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -61,19 +62,6 @@ def _missing(package: str) -> StudyError:
 
 
 @dataclass
-class _Named:
-    """Fields by name, as IOHexperimenter's problems have them."""
-
-    values: dict[str, Any]
-
-    def __getattr__(self, name: str) -> Any:
-        try:
-            return self.__dict__["values"][name]
-        except KeyError:
-            raise AttributeError(name) from None
-
-
-@dataclass
 class IohCallable:
     """Objective with the attributes of an IOHexperimenter problem: `meta_data`, `bounds`, `optimum`, `state`, `reset`.
 
@@ -88,33 +76,31 @@ class IohCallable:
     best_point: Floats | None = field(default=None, init=False)
 
     @property
-    def meta_data(self) -> _Named:
+    def meta_data(self) -> SimpleNamespace:
         """Name, number of variables, instance and kind of optimisation."""
         wrapped = self.objective
-        return _Named(
-            {
-                "name": f"{wrapped.case.name}-{wrapped.formulation}",
-                "n_variables": wrapped.n_dimensions,
-                "instance": wrapped.instance.number,
-                "minimization": True,
-            }
+        return SimpleNamespace(
+            name=f"{wrapped.case.name}-{wrapped.formulation}",
+            n_variables=wrapped.n_dimensions,
+            instance=wrapped.instance.number,
+            minimization=True,
         )
 
     @property
-    def bounds(self) -> _Named:
+    def bounds(self) -> SimpleNamespace:
         """Lower and upper bounds, `lb` and `ub`."""
-        return _Named({"lb": self.objective.lower, "ub": self.objective.upper})
+        return SimpleNamespace(lb=self.objective.lower, ub=self.objective.upper)
 
     @property
-    def optimum(self) -> _Named:
+    def optimum(self) -> SimpleNamespace:
         """Best point and value known, `x` and `y`."""
-        return _Named({"x": self.objective.best_point, "y": self.objective.best_known})
+        return SimpleNamespace(x=self.objective.best_point, y=self.objective.best_known)
 
     @property
-    def state(self) -> _Named:
+    def state(self) -> SimpleNamespace:
         """Evaluations so far and the best of them."""
-        best = _Named({"x": self.best_point, "y": self.objective.best})
-        return _Named({"evaluations": self.objective.evaluations, "current_best": best})
+        best = SimpleNamespace(x=self.best_point, y=self.objective.best)
+        return SimpleNamespace(evaluations=self.objective.evaluations, current_best=best)
 
     def __call__(self, x: Any) -> float | list[float]:
         """Evaluate one point, or a list of them."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import importlib
 import logging
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import geometric_mean, median
@@ -17,6 +16,7 @@ import numpy as np
 
 from study.api import plan
 from study.bench.arm_peers import PEERS, Peer
+from study.bench.measuring import timed
 from study.bench.peers import installed
 from study.errors import StudyError
 from study.judge import judge
@@ -98,12 +98,8 @@ def _row(problem: Problem) -> Row:
 
 def _timed(call: Callable[[], object]) -> tuple[object, float]:
     """Answer of a call, and its median processor time, s; the first call does not count, for it loads what it needs."""
-    taken = []
-    for _ in range(1 + REPETITIONS):
-        begun = time.process_time()
-        answer = call()
-        taken.append(time.process_time() - begun)
-    return answer, median(taken[1:])
+    call()
+    return timed(call, REPETITIONS)
 
 
 def _tier(problem: Problem, name: str) -> Answer:

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
+from typing import Any
 
 Call = Callable[[], object]
 SHORTEST = 0.02
@@ -100,6 +101,16 @@ def _seconds(call: Call, loops: int) -> float:
     for _ in range(loops):
         call()
     return time.process_time() - begun
+
+
+def timed(call: Callable[[], Any], repetitions: int = 3) -> tuple[Any, float]:
+    """Answer of a call, and its median processor time, s."""
+    taken = []
+    for _ in range(repetitions):
+        begun = time.process_time()
+        answer = call()
+        taken.append(time.process_time() - begun)
+    return answer, median(taken)
 
 
 def missing(topic: str, name: str, peer: str, target: float | None = None) -> Measurement:

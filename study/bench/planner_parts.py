@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import importlib
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from statistics import median
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from study.api import onward, plan
+from study.bench.measuring import timed
 from study.judge import judge
 from study.planning import Plan, Planner, usual_settings
 from study.problem import EndCondition, Floats, JointLimits, Problem
@@ -41,16 +41,6 @@ class Part:
     head: Cells
     rows: tuple[Cells, ...]
     sentences: Cells = ()
-
-
-def timed(call: Callable[[], Any], repetitions: int = 3) -> tuple[Any, float]:
-    """Answer of a call, and its median processor time, s."""
-    taken = []
-    for _ in range(repetitions):
-        begun = time.process_time()
-        answer = call()
-        taken.append(time.process_time() - begun)
-    return answer, median(taken)
 
 
 def walk(n_waypoints: int, seed: int, jerk: bool = True) -> Problem:

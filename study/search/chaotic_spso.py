@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from study.choices import convert
+from study.choices import Options
 from study.search.batched_rng import Rng
 from study.search.chaos import MAPS, chaotic_population
 from study.search.pso import Scalars, Swarm, SwarmState, VelocityUpdate, linear, moved_swarm, swarm_at_rest
@@ -26,7 +26,7 @@ VELOCITY = VelocityUpdate()
 
 
 @dataclass(frozen=True)
-class ChaoticSPSO(Swarm):
+class ChaoticSPSO(Swarm, Options):
     """Particle swarm with three switchable novelties.
 
     Attributes
@@ -66,9 +66,6 @@ class ChaoticSPSO(Swarm):
     fixed: float = 2.0
     velocity: VelocityUpdate = VELOCITY
     reading: PaperReading = PaperReading.STANDARD
-
-    def __post_init__(self) -> None:
-        convert(self, reading=PaperReading)
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
         """Spread particles by the map, or uniformly; at rest."""

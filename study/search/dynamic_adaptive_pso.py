@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from study.choices import convert
+from study.choices import Options
 from study.search.batched_rng import Rng
 from study.search.pso import ClampUnit, Swarm, SwarmState, VelocityUpdate, linear, moved_swarm, new_swarm
 from study.search.reading import PaperReading
@@ -24,7 +24,7 @@ VELOCITY = VelocityUpdate(clamp=4.0, unit=ClampUnit.ABSOLUTE)  # Section 4.3
 
 
 @dataclass(frozen=True)
-class DynamicAdaptivePSO(Swarm):
+class DynamicAdaptivePSO(Swarm, Options):
     """Particle swarm with scheduled inertia and learning factors.
 
     Attributes
@@ -54,9 +54,6 @@ class DynamicAdaptivePSO(Swarm):
     velocity: VelocityUpdate = VELOCITY
     reading: PaperReading = PaperReading.STANDARD
     start_inside: bool = True
-
-    def __post_init__(self) -> None:
-        convert(self, reading=PaperReading)
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> SwarmState:
         """Start as in Eq. (15), with velocities in [0, 1)."""

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from study.choices import convert
+from study.choices import Options
 from study.problem import Floats
 from study.search.bounds import BoundsRule, bounded_positions
 from study.search.reading import PaperReading
@@ -104,7 +104,7 @@ class GoldState(State):
 
 
 @dataclass(frozen=True)
-class GoldSA:
+class GoldSA(Options):
     """Golden sine algorithm.
 
     Attributes
@@ -132,9 +132,6 @@ class GoldSA:
     per_dimension: bool = False
     linked: bool = False
     bounds: BoundsRule = BoundsRule.CLIP
-
-    def __post_init__(self) -> None:
-        convert(self, reading=PaperReading)
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> GoldState:
         """Spread candidates uniformly."""

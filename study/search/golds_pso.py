@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from study.choices import convert
+from study.choices import Options
 from study.problem import Floats
 from study.search.bounds import BoundsRule, bounded_positions
 from study.search.chaos import MAPS, chaotic_population
@@ -35,7 +35,7 @@ def s_curve(ends: tuple[float, float], progress: float) -> float:
 
 
 @dataclass(frozen=True)
-class GoldSPSO:
+class GoldSPSO(Options):
     """Particle swarm with golden-sine moves.
 
     Attributes
@@ -74,9 +74,6 @@ class GoldSPSO:
     per_dimension: bool = False
     linked: bool = False
     bounds: BoundsRule = BoundsRule.CLIP
-
-    def __post_init__(self) -> None:
-        convert(self, reading=PaperReading)
 
     def init(self, box: Box, population: int, generations: int, rng: np.random.Generator) -> GoldenSwarmState:
         """Spread particles by the circle map, Eq. (23), or uniformly."""

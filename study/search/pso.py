@@ -13,7 +13,7 @@ from typing import Self
 
 import numpy as np
 
-from study.choices import Choice, convert
+from study.choices import Choice, Options
 from study.problem import Floats
 from study.search.batched_rng import Rng
 from study.search.bounds import BoundsRule, Moved, bounded
@@ -75,7 +75,7 @@ class ClampUnit(Choice):
 
 
 @dataclass(frozen=True)
-class VelocityUpdate:
+class VelocityUpdate(Options):
     """Velocity and position update with a velocity clamp and a bounds rule.
 
     Attributes
@@ -95,9 +95,6 @@ class VelocityUpdate:
     clamp: float = 0.2
     unit: ClampUnit = ClampUnit.SHARE
     bounds: BoundsRule = BoundsRule.CLIP
-
-    def __post_init__(self) -> None:
-        convert(self, unit=ClampUnit)
 
     def clamped(self, box: Box, velocities: Floats) -> Floats:
         """Cut velocities off at the clamp."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from study.choices import Choice, convert
+from study.choices import Choice, Options
 from study.problem import Floats
 from study.search.bounds import BoundsRule, bounded_positions
 from study.search.population import Generational, PopulationState, check_share, normalised_fitness
@@ -31,7 +31,7 @@ class Restart(Choice):
 
 
 @dataclass(frozen=True)
-class SMA(Generational):
+class SMA(Generational, Options):
     """Slime mould algorithm: members approach the incumbent by the difference of two others, shrink, or restart.
 
     Attributes
@@ -59,7 +59,7 @@ class SMA(Generational):
     bounds: BoundsRule = BoundsRule.CLIP
 
     def __post_init__(self) -> None:
-        convert(self, reading=PaperReading, restart=Restart)
+        super().__post_init__()
         check_share("SMA", "restart_share", self.restart_share)
 
     def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from study.choices import convert
 from study.problem import Floats
 from study.search.bounds import bounded_positions
 from study.search.population import PopulationState, check_share
@@ -56,7 +55,6 @@ class SMWOA(WOA):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        convert(self, reading=PaperReading)
         check_share("SMWOA", "restart_share", self.restart_share)
 
     def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:

@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from study.choices import Choice, convert
+from study.choices import Choice, Options
 from study.problem import Floats
 from study.search.bounds import BoundsRule, bounded_positions
 from study.search.chaos import Direction, chaotic_population, map_named
@@ -40,7 +40,7 @@ def _ranks(n: int) -> Floats:
 
 
 @dataclass(frozen=True)
-class SSA:
+class SSA(Options):
     """Sparrow search: producers contract, joiners follow the best producer or leave, scouts are drawn to the incumbent.
 
     `Start.TENT` makes it the paper's T-SSA, both adaptive factors its ADF-SSA, all three its TADF-SSA.
@@ -88,7 +88,7 @@ class SSA:
     bounds: BoundsRule = BoundsRule.CLIP
 
     def __post_init__(self) -> None:
-        convert(self, reading=PaperReading, start=Start)
+        super().__post_init__()
         for field in ("producers", "scouts", "safety"):
             check_share("SSA", field, getattr(self, field))
 

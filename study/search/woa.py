@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from study.choices import Choice, convert
+from study.choices import Choice, Options
 from study.problem import Floats
 from study.search.bounds import BoundsRule, bounded_positions
 from study.search.population import Generational, PopulationState
@@ -27,7 +27,7 @@ class Draws(Choice):
 
 
 @dataclass(frozen=True)
-class WOA(Generational):
+class WOA(Generational, Options):
     """Whale optimisation: whales encircle the incumbent, spiral towards it, or follow a random whale.
 
     Attributes
@@ -53,9 +53,6 @@ class WOA(Generational):
     coefficients: Draws = Draws.WHALE
     leader: Draws = Draws.COMPONENT
     bounds: BoundsRule = BoundsRule.CLIP
-
-    def __post_init__(self) -> None:
-        convert(self, coefficients=Draws, leader=Draws)
 
     def ask(self, state: PopulationState, rng: np.random.Generator) -> PopulationState:
         """Move every whale."""
