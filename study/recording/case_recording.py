@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from study.analysis.case_summary import CaseSummary
+from study.recording.arm_limits import log_arm_limits
 from study.recording.contents import gather
 from study.recording.layout import layout
 from study.recording.scene import log_scene, scene_of
@@ -55,6 +56,7 @@ def record_case(summary: CaseSummary, path: Path, samples: int = 250) -> Path:
         if scene is not None:
             log_scene(stream, contents, scene)
         log_signals(stream, contents)
+        log_arm_limits(stream, contents)
         log_activity(stream, contents)
         log_convergence(stream, contents)
         log_swarms(stream, contents, swarms)

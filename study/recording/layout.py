@@ -11,6 +11,7 @@ import rerun.blueprint as rrb
 
 from study.cases.library import Case
 from study.judge import RATES
+from study.recording.arm_limits import arm_views
 from study.recording.contents import NANOSECOND, Contents, Shown
 from study.recording.meshes import MESHES
 from study.recording.pictures import (
@@ -39,7 +40,7 @@ def layout(contents: Contents, scene: Scene | None, populations: Sequence[Part] 
     Where the cursor stands cannot be said in a layout, and the viewer puts it at the end; what runs begins at the start.
     """
     tabs: list[Part] = [_overview(contents, scene), *(_signal_tab(contents, order) for order in range(4))]
-    tabs += _activity(contents)
+    tabs += [*arm_views(contents), *_activity(contents)]
     tabs += [*_convergence(contents), *populations]
     count = len(contents.shown)
     tabs.append(drawing("Durations", "durations", bars_bounds(count, bars_pitch(count))))

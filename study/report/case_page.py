@@ -9,6 +9,7 @@ from typing import Any
 from markupsafe import Markup
 
 from study.analysis import formatting
+from study.analysis.arm_uses import arm_uses
 from study.analysis.case_summary import CaseSummary
 from study.analysis.ends import end_steps
 from study.analysis.featured import ROLE_NAMES, Featured
@@ -139,6 +140,12 @@ def contents_of(report: CaseReport, series: Sequence[plot_style.Series] = (), hi
         "tolerance": TOLERANCE,
         "collisions": any(":" in text for text in summary.driving.values()),
         "infinity": float("inf"),
+        "arm": [
+            (method.label, ROLE_NAMES[role], name, text)
+            for _, role, method in summary.best.present()
+            if (shown := method.representative) is not None and shown.verdict is not None
+            for name, text in arm_uses(problem, shown.verdict).items()
+        ],
     }
 
 
