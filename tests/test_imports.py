@@ -16,6 +16,7 @@ OWNERS = {
         "baselines/path_timing/arm_limits.py",
         "study/bench/references.py",
         "study/bench/spline_peers.py",
+        "study/bench/torque_peers.py",
     ),  # in the bench as a peer, by its own defaults
     "ruckig": ("baselines/state_to_state/moves.py", "study/bench/arm_peers.py", "study/bench/planner_parts.py"),
     "rerun": ("study/recording/",),

@@ -9,6 +9,7 @@ from study.bench.arms import Answer, arm_rows
 from study.bench.arms import summary as on_arms
 from study.bench.planner_parts import Part, Told
 from study.bench.torque import torque
+from study.bench.torque_peers import torque_peers
 from study.errors import unknown
 
 
@@ -54,5 +55,6 @@ PARTS: dict[str, Callable[[int, Told], Part]] = {
     "nlp": planner_parts.nlp,
     "ruckig": planner_parts.long_moves,
     "torque": torque,
+    "torque-peers": torque_peers,
 }
 """Parts by name."""
