@@ -49,8 +49,8 @@ def torque_peers(seed: int, told: Told) -> Part:
             if not installed(package) or (name == "drake" and _massless(problem)):
                 continue
             told(f"{problem.name}, {name}")
-            found, seconds = timed(lambda solve=solve, problem=problem: solve(problem), 1)  # type: ignore[misc]
-            rows.append(_row(problem, name, at_constant_acceleration(problem, found), seconds))
+            law, seconds = timed(lambda solve=solve, problem=problem: solve(problem), 1)  # type: ignore[misc]
+            rows.append(_row(problem, name, at_constant_acceleration(problem, law), seconds))
         for name in ("toppra", "free-path"):
             told(f"{problem.name}, {name}")
             plan, seconds = timed(lambda name=name, problem=problem: _ours(name, problem), 1)  # type: ignore[misc]

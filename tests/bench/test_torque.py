@@ -8,6 +8,7 @@ import pytest
 
 from study.bench import torque
 from study.bench.torque import CASES, HEAD, Loaded, loaded, sentences, write_page
+from study.bench.torque_peers import torque_peers
 from study.cases.library import load_case
 from study.cli.bench import bench
 from study.errors import StudyError
@@ -67,3 +68,13 @@ def test_the_cases_with_torques_differ_from_their_papers_by_the_torques(name):
 def test_only_that_part_has_a_page():
     with pytest.raises(StudyError, match="only the part 'torque' has a page"):
         bench(part="arms", page=Path("somewhere"))
+
+
+@pytest.mark.slow
+def test_other_packages_find_the_same_times_under_torques():
+    part = torque_peers(0, lambda part: None)
+    for name in {row[0] for row in part.rows}:
+        times = {row[1]: float(row[2]) for row in part.rows if row[0] == name and row[1] != "free-path (ours)"}
+        ours = times.pop("toppra (ours)")
+        assert "toppra's package" in times
+        assert list(times.values()) == pytest.approx([ours] * len(times), rel=0.005)
