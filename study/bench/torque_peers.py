@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from study.arm import ArmLimits
-from study.bench.arm_peers import at_constant_acceleration, spline_of, stations_of
+from study.bench.measuring import timed
 from study.bench.peers import installed
-from study.bench.planner_parts import Part, Told, timed
+from study.bench.planner_parts import Part, Told
+from study.bench.spline_peers import at_constant_acceleration, spline_of, stations_of
 from study.judge import judge
 from study.mechanism import Mechanism
 from study.planning import usual_settings
