@@ -10,11 +10,13 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.optimize import isotonic_regression
 
 from study.analysis.formatting import ratio as figure_text
 from study.comparison.plots import Marks
 from study.comparison.ranking import Omnibus
 from study.comparison.targets import Anytime, Distribution
+from study.problem import Floats
 from study.report.figures import sized, svg
 from study.report.plot_style import DASHES, GRID, INK, MARKERS, MUTED, RC, SERIES, Notes
 
@@ -60,7 +62,7 @@ def distribution(key: str, lines: Sequence[Distribution], styles: dict[str, int]
             axes.annotate(
                 line.planner, (line.costs[-1], line.shares[-1]), xytext=(1.02, y), textcoords=("axes fraction", "data"),
                 va="center", fontsize=11, color=MUTED if style is None else INK, annotation_clip=False,
-                arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.8},
+                arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.8, "relpos": (0, 0.5), "shrinkA": 0},
             )  # fmt: skip
         names = ", ".join(line.planner for line in lines)
         return svg(
@@ -68,12 +70,10 @@ def distribution(key: str, lines: Sequence[Distribution], styles: dict[str, int]
         )
 
 
-def _spread(places: Sequence[float], apart: float) -> list[float]:
-    """Heights for labels at falling places, each at least so far below the one before, and none below zero."""
-    heights: list[float] = []
-    for place in places:
-        heights.append(min(place, heights[-1] - apart) if heights else place)
-    return [max(height, apart * (len(heights) - 1 - k)) for k, height in enumerate(heights)]
+def _spread(places: Sequence[float], apart: float) -> Floats:
+    """Heights for labels at falling places: as near to these as may be, and so far apart from one another."""
+    steps = apart * np.arange(len(places))
+    return np.asarray(isotonic_regression(np.asarray(places) + steps, increasing=False).x) - steps
 
 
 def _look(style: int) -> dict[str, Any]:

@@ -178,9 +178,7 @@ def _targets_page(comparison: Comparison) -> Page:
     for level, measured in comparison.measured.items():
         shares = targets.distributions(measured, segments)
         drawn = [_distribution(level, shares, styles)] if shares else []
-        sections.append(
-            Section(f"Targets reached, {level} formulation", [f"{level}: {LEVELS[level]}."], drawn, legend=legend)
-        )
+        sections.append(Section(f"Targets reached, {level} formulation", [f"{level}: {LEVELS[level]}."], drawn))
         sections.append(
             Section(
                 f"Time to target and anytime curves, {level} formulation",

@@ -64,6 +64,7 @@ def index_page(shown: Sequence[CaseReport], environment: Mapping[str, str], out:
             "published": _published_count(reports),
             "ran": any(report.summary.ran for report in own),
             "own": [(report, own_row(report)) for report in own],
+            "earlier": _earlier(shown, out),
             "beside": {path: said for path, said in BESIDE.items() if (out / path).is_file()},
             "flags": flags,
             "environment": environment,
@@ -76,6 +77,13 @@ def _published_count(reports: Sequence[CaseReport]) -> tuple[int, int]:
     methods = [method for report in reports for method in report.summary.methods]
     judged = [m for m in methods if m.kind is Kind.PUBLISHED and m.representative is not None]
     return len(judged), sum(method.feasible for method in judged)
+
+
+def _earlier(shown: Sequence[CaseReport], out: Path) -> list[str]:
+    """Names of pages of cases whose results the folder no longer has, such as those of an older release."""
+    known = {"index", *(path.removesuffix(".html") for path in BESIDE), *(report.slug for report in shown)}
+    stems = {path.stem for path in out.glob("*.html")}
+    return sorted(stem for stem in stems - known if stem.removesuffix("-viewer") not in known | stems - {stem})
 
 
 def headline_row(summary: CaseSummary) -> plot_style.HeadlineRow | None:

@@ -48,7 +48,10 @@ def test_the_recording_is_drawn_and_no_request_leaves_the_page(out: Path) -> Non
         tab.on("pageerror", lambda error: faults.append(str(error)))
         tab.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
         tab.goto(page.as_uri())
-        tab.wait_for_function("document.documentElement.dataset.ready", timeout=90_000)
+        for _ in range(450):
+            if tab.evaluate("document.documentElement.dataset.ready"):
+                break
+            tab.wait_for_timeout(200)
         assert tab.evaluate("document.documentElement.dataset.ready") == "yes", tab.locator("#said").inner_text()
         coloured = 0.0
         for _ in range(40):

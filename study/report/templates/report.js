@@ -114,7 +114,7 @@ class Figure {
     this.box.setAttribute("role", "group");
     this.box.setAttribute("aria-label", `${this.spec.name}: arrow keys move the cursor, a dragged stretch is enlarged, a double click shows all`);
     this.table = make("table", { className: "readout" });
-    const live = make("div", { className: "live" }, ...this.tabs(), make("div", { className: "scroll" }, this.table), this.box);
+    const live = make("div", { className: this.spec.columns > 1 ? "live" : "live beside" }, ...this.tabs(), make("div", { className: "scroll" }, this.table), this.box);
     place.prepend(live);
     place.classList.add("is-live");
     this.legend();
