@@ -15,6 +15,7 @@ from rich.console import Console
 
 from study.analysis.case_summary import CaseSummary, summarise
 from study.cases.library import Case, load_case
+from study.cases.suite_file import filed_suites
 from study.cli import run_tables
 from study.cli.screen import SafeConsole, progress_bar
 from study.errors import Interrupted, StudyError
@@ -262,12 +263,21 @@ def write_pages(out: Path, flagged: Mapping[str, str], summaries: Sequence[CaseS
     return build_report([*there, *summaries], out / "report", environment(), flagged, sources, only=shown)
 
 
-def last_run(out: Path) -> tuple[dict[str, Case], dict[str, str], list[Result]]:
-    """Cases of the folder, where each was loaded from, and the stored results of the last run of each."""
-    cells, sources = remembered_lineup(out / STORE_NAME)
+def last_run(out: Path, suite: str = "") -> tuple[dict[str, Case], dict[str, str], list[Result]]:
+    """Cases of the folder, where each was loaded from, and the stored results of the last run of each.
+
+    With the name of a suite its problems, without one everything else.
+    """
+    cells, remembered = remembered_lineup(out / STORE_NAME)
+    known = filed_suites()
+    sources = {
+        name: source
+        for name, source in remembered.items()
+        if (name.partition(":")[0] if source == name and name.partition(":")[0] in known else "") == suite
+    }
     cases = {name: load_case(source) for name, source in sources.items()}
     with Store(out / STORE_NAME, write=False) as store:
-        return cases, sources, stored_results(store, cells, cases)
+        return cases, sources, stored_results(store, [cell for cell in cells if cell.case in cases], cases)
 
 
 def suite_noted(out: Path) -> dict[str, Any] | None:

@@ -17,7 +17,16 @@ from study.cases.suite_file import suites_folder
 from study.cases.suites import PAPERS, Suite, suite_named
 from study.cli.check import report_verdict
 from study.cli.screen import SafeConsole, complain, fitted, make_console
-from study.cli.shared import STORE_NAME, SUITE_NOTE, Workers, last_run, run_missing, suite_noted
+from study.cli.shared import (
+    STORE_NAME,
+    SUITE_NOTE,
+    Workers,
+    audit_flags,
+    last_run,
+    run_missing,
+    suite_noted,
+    write_pages,
+)
 from study.errors import StudyError, plural
 from study.files import replacing, write_file
 from study.io.filenames import file_stem
@@ -90,7 +99,7 @@ def run_suite(name: str, asked: Asked, out: Path, workers: Workers, console: Saf
 def show_last_suite(out: Path, console: SafeConsole) -> None:
     """Show the suite of the last run again, from the stored results."""
     suite = suite_of_last_run(out)
-    cases, _, results = last_run(out)
+    cases, _, results = last_run(out, suite.name)
     show_suite(suite, cases, results, out, console)
 
 
@@ -139,7 +148,8 @@ def show_suite(
         raise StudyError(f"no stored result belongs to suite {suite.name!r}; run `study run --suite {suite.name}`")
     field = Field(tuple(runs), best_in(runs, known_times(suite)))
     with console.status("writing the page"):
-        page = write_page(suite, field, records_of(suite), papers_marks(), out / "suite", environment())
+        page = write_page(suite, field, records_of(suite), papers_marks(), out / "report" / "suite", environment())
+        write_pages(out, audit_flags(out))
     with console.paged():
         console.print(score_table(console, f"Suite {suite.name}, checksum {suite.checksum}", scores(field)))
         console.print(bound_line(runs, field), f"page: {page}", sep="\n")
@@ -154,7 +164,7 @@ def kept_run(out: Path) -> Iterator[tuple[Path, str]]:
         If the last run was no run of a suite, or a record contradicts a bound or the judge.
     """
     suite = suite_of_last_run(out)
-    cases, _, results = last_run(out)
+    cases, _, results = last_run(out, suite.name)
     runs = runs_of(results, cases)
     methods = {name: method_named(name) for name in {run.planner for run in runs}}
     kinds = {name: method.freedom if isinstance(method, Planner) else None for name, method in methods.items()}

@@ -13,7 +13,7 @@ from study.report.rendering import render
 from study.report.tables import COLUMNS
 
 
-def filled(template: str, context: Mapping[str, object]) -> str:
+def filled(template: str, context: Mapping[str, object], root: str = "") -> str:
     """Fill in a template of the report."""
     filters = {
         name: getattr(formatting, name)
@@ -27,4 +27,4 @@ def filled(template: str, context: Mapping[str, object]) -> str:
         "roles": IN_ORDER,
         "freedoms": tuple(Freedom),
     }
-    return render(template, {**shared, **context}, filters=filters)
+    return render(template, {**shared, **context}, filters=filters, root=root)

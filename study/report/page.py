@@ -63,7 +63,8 @@ def build_report(
         for report in changed:
             write_tables(out / "tables", report.slug, [report.summary], sources)
             write_motions(out / "tables" / report.slug, report.summary, report.motions)
-        write_tables(out / "tables", "all", summaries, sources)
+        if summaries:
+            write_tables(out / "tables", "all", summaries, sources)
         for name, text in pages.items():
             write_file(out / f"{name}.html", text)
         write_scripts(out)

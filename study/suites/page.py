@@ -70,7 +70,7 @@ def write_page(
     papers : sequence of (case, segments, gap, planner)
         Marks in the figure of growth.
     out : Path
-        Folder; made if need be.
+        Folder inside the report's, made if need be.
     environment : mapping of str to str
         Versions and machine.
     """
@@ -92,8 +92,8 @@ def write_page(
         "sections": sections,
         "environment": environment,
     }
-    text = render("suite.html.j2", context, package="study.suites", root="")
-    write_scripts(out)
+    text = render("suite.html.j2", context, package="study.suites", root="../")
+    write_scripts(out.parent)
     return write_file(out / "index.html", text)
 
 
