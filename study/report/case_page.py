@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from markupsafe import Markup
 
 from study.analysis import formatting
@@ -27,6 +28,9 @@ from study.report.filling import filled
 from study.report.live import profiles_data
 from study.report.tables import RESULTS
 from study.trajectory import Motion
+
+ALIKE = 3e-3
+"""Share of a duration and of a joint's range below which two motions are drawn on top of each other."""
 
 TOO_LONG = 3.0
 """A motion that takes so many times as long as the reference would squeeze the others' profiles; it is left out of them."""
@@ -134,6 +138,7 @@ def contents_of(report: CaseReport, series: Sequence[plot_style.Series] = (), hi
         "series": series,
         "near": near,
         "left_out": [each for each in series if each not in near],
+        "coinciding": _coinciding(near),
         "figures": pictures,
         "live": profiles_data(problem, case.units, near, roles, hidden) if near else "",
         "convergence": convergence_of(summary, WIDTHS),
@@ -157,6 +162,20 @@ def featured_series(summary: CaseSummary) -> tuple[list[plot_style.Series], list
         if method.motion is not None
     ]
     return series, [each for each in series if not _too_long(each.motion, summary.best)]
+
+
+def _coinciding(series: Sequence[plot_style.Series]) -> list[tuple[str, str]]:
+    """Pairs of names of motions that cannot be told apart in the figures, the second lying on the first."""
+    shares = np.linspace(0.0, 1.0, 50)
+    drawn = [(each.label, each.motion.duration, each.motion(shares * each.motion.duration)) for each in series]
+    pairs = []
+    for k, (label, duration, values) in enumerate(drawn):
+        for other, length, places in drawn[:k]:
+            away = np.abs(values - places).max(axis=0) / np.maximum(np.ptp(places, axis=0), 1e-9)
+            if abs(duration - length) <= ALIKE * length and away.max() <= ALIKE:
+                pairs.append((other, label))
+                break
+    return pairs
 
 
 def _too_long(motion: Motion, best: Featured) -> bool:

@@ -53,7 +53,7 @@ def test_scores_bounds_and_files_are_shown(tmp_path, capsys):
     text = capsys.readouterr().out
     assert suite.checksum in text
     assert "ruckig-stops" in text
-    assert (tmp_path / "suite" / "runs.parquet").is_file()
+    assert (tmp_path / "report" / "suite" / "runs.parquet").is_file()
 
 
 @pytest.mark.slow
