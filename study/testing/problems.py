@@ -13,6 +13,10 @@ from study.mechanism import Mechanism
 from study.problem import EndCondition, Floats, JointLimits, Problem, State, StraightPath, Timing, Tube
 
 
+HALVINGS = 100
+"""Times that a given start is halved at most until it leaves room to stop."""
+
+
 def random_problem(rng: np.random.Generator, name: str = "random") -> Problem:
     """Draw a problem of any kind.
 
@@ -39,7 +43,32 @@ def random_problem(rng: np.random.Generator, name: str = "random") -> Problem:
     for more, share in _MORE.items():
         if rng.random() < share:
             problem = _with(rng, problem, more)
-    return problem
+    return _calmed(problem)
+
+
+def _calmed(problem: Problem) -> Problem:
+    """Slow a given start down until the joints can stop within the range and within the path's radius, so that there is
+    a motion; where the path must be straight, the start points along it.
+    """
+    start = problem.start
+    if not isinstance(start, State) or start.velocity is None:
+        return problem
+    velocity, limits = start.velocity, problem.segment_limits.get(0, problem.limits)
+    place, step = problem.waypoints[0], problem.waypoints[1] - problem.waypoints[0]
+    room = np.minimum(place - limits.lower, limits.upper - place)
+    if problem.path is not None:
+        room = np.minimum(room, problem.path.of(problem.n_joints))
+    if isinstance(problem.path, StraightPath):
+        moves = step != 0
+        velocity = step * np.min(np.abs(velocity[moves] / step[moves]), initial=np.inf) if moves.any() else 0.0 * step
+    _, acceleration, jerk = limits.rates
+    factor = 1.0
+    for _ in range(HALVINGS):
+        speed = factor * np.abs(velocity)
+        if (speed * (speed / acceleration + 2 * np.sqrt(speed / jerk)) <= room / 4).all():  # no stop takes longer
+            break
+        factor /= 2
+    return replace(problem, start=replace(start, velocity=factor * velocity))
 
 
 def _with(

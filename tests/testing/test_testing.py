@@ -17,6 +17,7 @@ from study.problem import Demand, EndCondition, Problem
 from study.registry import method_named, method_names, planner_named, planner_names, unavailable_planners
 from study.search.random_search import RandomSearch
 from study.testing import NonconformingError, check_bound, check_planner, check_search, example_problems, random_problem
+from study.testing.stress import problem_number
 
 SLOW = {"any-motion-bound", "bspline-nlp", "certified", "ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp"}
 """Planners and bounds too slow for the fast tests."""
@@ -305,3 +306,12 @@ def test_a_motion_out_of_the_range_of_positions_is_never_called_one_that_may_be_
     inside = planned.result.motion is not None and judge(tight, planned.result.motion).feasible
     assert inside == np.isfinite(planned.duration)
     assert inside or "leaves its range of positions" in planned.reason or "not applicable" in planned.reason
+
+
+def test_given_starts_leave_room_to_stop():
+    narrow, straight = problem_number(7, 91), problem_number(7, 190)
+    away = narrow.start.velocity**2 / narrow.limits.rates[1]
+    assert (away > 0).any()
+    assert (away <= narrow.path.of(narrow.n_joints)).all()
+    assert np.abs(straight.start.velocity).max() > 0
+    assert plan(straight, "ruckig-stops").feasible
