@@ -19,7 +19,15 @@ NOTHING_MOVES = "all waypoints are equal, so there is nothing to move"
 
 
 class Deterministic:
-    """Usual description of a deterministic planner."""
+    """Usual description of a deterministic planner.
+
+    Attributes
+    ----------
+    set_up : float, s
+        Processor time for each segment of each joint, rounded up, of a preparation that nothing can stop.
+    """
+
+    set_up: ClassVar[float] = 0.0
 
     freedom: ClassVar[Freedom] = Freedom.FREE
     knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
@@ -31,7 +39,8 @@ def where_something_moves(
 ) -> Callable[[P, Problem, RunSettings], Plan]:
     """Decorate `plan`: a demand that the planner does not know, or a problem of still joints, does not apply.
 
-    Still joints are held still, and an error is a reason.
+    Nor does one whose preparation alone would take longer than the time limit. Still joints are held still, and an
+    error is a reason.
     """
 
     @wraps(plan)
@@ -40,6 +49,12 @@ def where_something_moves(
             return Plan(Status.NOT_APPLICABLE, message=reason)
         if not problem.moving.any():
             return Plan(Status.NOT_APPLICABLE, message=NOTHING_MOVES)
+        needed = getattr(planner, "set_up", 0.0) * problem.n_segments * problem.n_joints
+        if needed > settings.time_limit:
+            reason = (
+                f"its preparation, which nothing can stop, takes about {needed:.2g} s here, more than the time limit"
+            )
+            return Plan(Status.NOT_APPLICABLE, message=reason)
         try:
             return plan(planner, held_still(problem), settings)
         except StudyError as error:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from study.answers import Comparison, Planned, jerky, rank, single_move, stops_everywhere
 from study.arrays import of_kind, short, whole
 from study.cautions import unbounded_joints
+from study.deadline import NEVER, Deadline
 from study.errors import StudyError
 from study.planning import RunSettings, usual_settings
 from study.problem import Problem, State
@@ -51,6 +52,9 @@ TIERS = {
 }
 """Ways to let `plan` choose planners by itself."""
 
+LEAST = 0.1
+"""Time limit of a planner whose turn comes when a tier's time is over, s."""
+
 
 def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None = None) -> Planned:
     """Plan one motion through the waypoints and have it judged.
@@ -63,7 +67,7 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
         `automatic(problem)`; the fastest feasible motion of all is the answer, so it is never slower than a stop at every
         waypoint, nor than `fast`. `fast` ends at the first feasible motion of quick planners.
     settings : RunSettings, optional
-        `usual_settings(problem)` by default; its time limit holds for every planner.
+        `usual_settings(problem)` by default; its time limit holds for a planner, or for all of a tier together.
 
     Returns
     -------
@@ -78,12 +82,14 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
     if of_kind(planner, str, "planner") not in (*TIERS, *planner_names()):
         planner_named(planner)  # which says what there is
     settings = usual_settings(problem) if settings is None else of_kind(settings, RunSettings, "settings")
-    stages = _stages(problem, planner) if planner in TIERS else [(planner,)]
-    planned = _planned(problem, stages[0], settings)
+    stages, deadline = [(planner,)], NEVER
+    if planner in TIERS:
+        stages, deadline = _stages(problem, planner), Deadline.after(settings.time_limit)
+    planned = _planned(problem, stages[0], settings, deadline)
     for names in stages[1:]:
-        if planned.feasible and not stops_everywhere(problem, planned.motion):
+        if planned.feasible and (deadline.passed() or not stops_everywhere(problem, planned.motion)):
             break
-        planned = _planned(problem, names, settings, planned.tried)
+        planned = _planned(problem, names, settings, deadline, planned.tried)
     return replace(planned, tier=planner if planner in TIERS else "")
 
 
@@ -169,10 +175,14 @@ def _stages(problem: Problem, tier: str) -> list[tuple[str, ...]]:
 
 
 def _planned(
-    problem: Problem, names: Sequence[str], settings: RunSettings, before: tuple[tuple[str, str, Result], ...] = ()
+    problem: Problem,
+    names: Sequence[str],
+    settings: RunSettings,
+    deadline: Deadline,
+    before: tuple[tuple[str, str, Result], ...] = (),
 ) -> Planned:
     """Run planners and keep the best motion of all, those that ran before among them."""
-    tried = (*before, *((name, planner_about(name), _run(problem, name, settings)) for name in names))
+    tried = (*before, *((name, planner_about(name), _run(problem, name, settings, deadline)) for name in names))
     return Planned(problem, min((result for _, _, result in tried), key=rank), tried)
 
 
@@ -224,5 +234,8 @@ def _seeds(name: str, seeds: int) -> range:
         return range(1)  # its result says what is missing
 
 
-def _run(problem: Problem, name: str, settings: RunSettings) -> Result:
-    return CellJob(Cell(problem.name, name, name, settings), problem).run()
+def _run(problem: Problem, name: str, settings: RunSettings, deadline: Deadline = NEVER) -> Result:
+    """Run a planner in what is left of the time; its result is kept under the settings that were asked for."""
+    cell, left = Cell(problem.name, name, name, settings), min(settings.time_limit, max(deadline.left(), LEAST))
+    hurried = replace(cell, settings=replace(settings, time_limit=left))
+    return replace(CellJob(hurried, problem).run(), cell=cell)

@@ -5,16 +5,19 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import yaml
 
 import study
+from baselines.base import Deterministic
 from study import Comparison, EndCondition, JointLimits, Planned, Problem, StudyError, compare, judge, plan
 from study.api import automatic
 from study.cautions import cautions, ends_said
 from study.io.exact import read_exact
+from study.planning import Plan, RunSettings, Status
 from study.registry import planner_about
 from study.runs.selections import AUTO, AUTO_UNBOUNDED, AUTO_WITHOUT_JERK
 from tests.helpers.robot_files import MOVEIT
@@ -451,3 +454,23 @@ def test_the_judge_is_a_function_whatever_was_imported_before(first):
     code = f"import {first}; import study; from study import judge, plan; print(callable(judge), study.judge is judge)"
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert ended.stdout.split() == ["True", "True"], ended.stderr
+
+
+def test_a_tier_has_one_time_limit(monkeypatch):
+    given = []
+
+    class Slow(Deterministic):
+        about = "takes its time"
+
+        def plan(self, problem, settings):
+            given.append(settings.time_limit)
+            clock.append(clock[-1] + 4.0)
+            return Plan(Status.FAILED, message="nothing")
+
+    clock = [0.0]
+    monkeypatch.setattr("study.deadline.time", SimpleNamespace(monotonic=lambda: clock[-1]))
+    monkeypatch.setattr("study.runs.execute.method_named", lambda name: Slow())
+    settings = RunSettings("cubic-spline", time_limit=10.0)
+    planned = plan(Problem("mine", FOUR, JointLimits(V, A, J)), "best", settings)
+    assert given == [10.0, 6.0, 2.0, pytest.approx(0.1)]
+    assert {result.cell.settings.time_limit for _, _, result in planned.tried} == {10.0}

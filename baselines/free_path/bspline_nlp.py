@@ -193,6 +193,7 @@ class BSplineNlp(Deterministic):
 
     spans: int = 3
     most: int = 120
+    set_up: ClassVar[float] = 0.004
     about: ClassVar[str] = "one B-spline through the waypoints, its control points optimised by IPOPT"
 
     @where_something_moves

@@ -201,6 +201,7 @@ class FreePathNlp(Deterministic):
     """
 
     pieces: int = 8
+    set_up: ClassVar[float] = 0.005
     about: ClassVar[str] = "free path in short pieces of polynomials, optimised by IPOPT"
 
     @where_something_moves

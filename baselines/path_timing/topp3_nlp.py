@@ -197,6 +197,7 @@ class Topp3Nlp(Deterministic):
 
     halvings: int = 1
     rounds: int = 3
+    set_up: ClassVar[float] = 0.005
     about: ClassVar[str] = "speed along a given path with a jerk limit, by IPOPT"
     freedom: ClassVar[Freedom] = Freedom.PATH
 

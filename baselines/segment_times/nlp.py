@@ -175,6 +175,7 @@ class CasadiNlp(Deterministic):
     """
 
     starts: int = 3
+    set_up: ClassVar[float] = 0.0006
     about: ClassVar[str] = "segment durations by nonlinear programming (CasADi and IPOPT)"
     freedom: ClassVar[Freedom] = Freedom.CURVE
 

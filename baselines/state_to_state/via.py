@@ -231,6 +231,7 @@ class RuckigVia(Deterministic):
 
     rounds: int = 200
     pieces: int = 8
+    set_up: ClassVar[float] = 0.005
     about: ClassVar[str] = "Ruckig through the waypoints without stopping, the states there optimised"
 
     @where_something_moves
