@@ -82,7 +82,7 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
     if of_kind(planner, str, "planner") not in (*TIERS, *planner_names()):
         planner_named(planner)  # which says what there is
     settings = usual_settings(problem) if settings is None else of_kind(settings, RunSettings, "settings")
-    stages, deadline = [(planner,)], NEVER
+    stages, deadline = list[tuple[str, ...]]([(planner,)]), NEVER
     if planner in TIERS:
         stages, deadline = _stages(problem, planner), Deadline.after(settings.time_limit)
     planned = _planned(problem, stages[0], settings, deadline)
