@@ -12,7 +12,6 @@ from study.errors import StudyError
 from study.mechanism import Mechanism
 from study.problem import EndCondition, Floats, JointLimits, Problem, State, StraightPath, Timing, Tube
 
-
 HALVINGS = 100
 """Times that a given start is halved at most until it leaves room to stop."""
 
