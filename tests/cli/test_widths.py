@@ -20,7 +20,7 @@ CASES = {  # command: what must stand in the first ten lines
     ("check", "my_case.yaml"): "the case is complete",
     ("check", "study-output/trajectories/my_case.csv", "--case", "my_case.yaml"): "s, may be driven",
     ("check", "study-output/trajectories/my_case.exact.json", "--case", "fast.yaml"): "must not be driven",
-    ("list",): "22 cases, 5 of them in the default run",
+    ("list",): " cases, 5 of them in the default run",
     ("ledger",): "entries by kind: ",
     ("ledger", "--paper", "woodworking"): "entries by kind: ",
     ("cases", "show", "ur5-helix"): "ur5-helix",
