@@ -39,7 +39,7 @@ def on_page_markdown(markdown: str, **kwargs: Any) -> str:
         if f"<!-- {mark} -->" in markdown:
             markdown = markdown.replace(f"<!-- {mark} -->", part())
     markdown = re.sub(r"<!-- options: (.*) -->", lambda mark: _options(mark[1]), markdown)
-    if "$" not in markdown or kwargs["page"].file.name != "mathematics":
+    if "$" not in markdown or kwargs["page"].file.name not in ("mathematics", "searches"):
         return markdown
     markdown = re.sub(r"\$\$(.+?)\$\$", lambda found: _formula(found[1], "block"), markdown, flags=re.DOTALL)
     markdown = re.sub(r"\n\$", " $", markdown)  # a line that begins with a formula would count as a block of HTML
