@@ -101,9 +101,12 @@ def _for_torque(arm: ArmLimits, motion: Motion) -> float:
     instants = (motion.knots[:-1, None] + np.diff(motion.knots)[:, None] * inside).ravel()
     q, velocity, acceleration = (motion(instants, order) for order in range(3))
 
+    turning, standing = arm.mechanism.viscous * velocity, arm.mechanism.torque(q, 0 * q, 0 * q)
+    standing += arm.mechanism.coulomb * np.sign(velocity)
+    moving = arm.mechanism.torque(q, velocity, acceleration) - turning - standing
+
     def share(factor: float) -> Floats:
-        torque = arm.mechanism.torque(q, velocity / factor, acceleration / factor**2)
-        return np.abs(torque) / arm.torque
+        return np.abs(standing + turning / factor + moving / factor**2) / arm.torque
 
     at_last = share(SLOWEST)
     if at_last.max() > 1:

@@ -14,7 +14,7 @@ from study.slowing import slow_down
 from tests.helpers.arms import G, pendulum, two_links
 
 SETTINGS = RunSettings("cubic-spline")
-POINTS = np.array([[0.0, 0.1], [0.5, 0.5], [0.2, 0.9], [0.9, 0.4]])
+POINTS = np.array([[0.0, 0.1], [0.5, 0.5], [0.2, 0.9]])
 LIMITS = JointLimits([1.5, 1.2], [5.0, 4.0], [50.0, 40.0])
 
 
@@ -24,7 +24,7 @@ def walk(**arm):
 
 @pytest.mark.parametrize(
     ("limits", "gain"),
-    [({"torque": [40.0, 9.5]}, 0.8), ({"tool_speed": 0.25}, 0.8), ({"tool_acceleration": 1.0}, 0.95)],
+    [({"torque": [40.0, 9.5]}, 0.85), ({"tool_speed": 0.25}, 0.8), ({"tool_acceleration": 1.0}, 0.95)],
 )
 def test_each_limit_binds_and_costs_less_than_slowing_the_whole_motion_down(limits, gain):
     problem = walk(**limits)
@@ -47,7 +47,7 @@ def test_a_limit_that_does_not_bind_changes_nothing():
 
 def test_between_moving_ends_the_limits_are_kept_without_a_slower_run():
     problem = replace(walk(torque=[45.0, 11.0], tool_speed=0.9), start=State([0.3, -0.2]))
-    plan = FreePathPlanner().plan(problem, SETTINGS)
+    plan = FIRST.plan(problem, SETTINGS)
     assert judge(problem, plan.motion).feasible, judge(problem, plan.motion).reasons
     impossible = replace(walk(tool_speed=0.01), start=State([0.3, -0.2]))
     failed = FIRST.plan(impossible, SETTINGS)
