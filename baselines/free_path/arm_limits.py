@@ -5,7 +5,8 @@ again, with other limits of velocity and acceleration on every segment: where th
 arm, less, by the factor that the worst instant of the segment needs; where it left room, more. A torque is a part that
 positions and velocities ask for and a part that grows with the accelerations, and so is the tool's acceleration. At
 first the one limits the velocities of a segment, and what it leaves the accelerations; then, from the start again, both
-are slowed down together. The fastest motion, the whole slowed down by what is still missing, is the answer.
+are slowed down together. The fastest motion, the whole slowed down by what is still missing, is the answer; where no
+jerk is limited, its path and the first one's are driven anew, as fast as the arm allows.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from baselines.base import segment_rates
+from baselines.free_path.along_itself import along_itself
 from study.arm import ArmLimits
 from study.arm_findings import enclosed
 from study.deadline import Deadline
@@ -39,6 +41,8 @@ ENOUGH, PATIENCE = 2e-3, 2
 SUDDEN = 1e3
 """Acceleration in units of the velocity limit per second that stands for none."""
 
+ANEW = "driven anew along the path of the interior point"
+
 Solve = Callable[[Problem], Plan]
 
 
@@ -60,6 +64,7 @@ def within_arm(problem: Problem, solve: Solve, deadline: Deadline, rounds: int =
     room = 1 - (ROOM if problem.scalable else SAFE)
     aim = ArmLimits(limits.mechanism, room * limits.torque, room * limits.tool_speed, room * limits.tool_acceleration)
     best, iterations = Plan(Status.FAILED, message="no motion keeps the limits of the arm"), 0
+    bases: list[Motion] = []
     for together in (False, True):
         shares, before, idle = np.ones((2, problem.n_segments)), np.inf, 0
         for _ in range(rounds):
@@ -68,6 +73,7 @@ def within_arm(problem: Problem, solve: Solve, deadline: Deadline, rounds: int =
             if plan.motion is None:
                 best = plan if (shares == 1).all() and not together else best
                 break
+            bases.append(plan.motion)
             kept = _kept(problem, limits, plan, plan.motion)
             best = min(best, kept, key=_duration) if kept.motion is not None or best.motion is not None else kept
             if deadline.passed():
@@ -79,6 +85,10 @@ def within_arm(problem: Problem, solve: Solve, deadline: Deadline, rounds: int =
             before, shares = min(before, _duration(kept)), tighter
         if (shares == 1).all():
             break
+    if len(bases) > 1 and not deadline.passed():
+        anew = [along_itself(problem, motion) for motion in (bases[0], best.motion or bases[-1])]
+        again = [replace(best, status=Status.FINISHED, message=ANEW, motion=motion) for motion in anew if motion]
+        best = min(best, *again, key=_duration) if again else best
     return replace(best, iterations=iterations)
 
 

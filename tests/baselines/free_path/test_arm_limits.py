@@ -5,7 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from baselines.free_path.along_itself import along_itself
+from baselines.free_path.arm_limits import ANEW
 from baselines.free_path.planner import FIRST, FreePathPlanner
+from baselines.path_timing.toppra import Toppra
 from study import JointLimits, Problem, judge
 from study.arm import ArmLimits
 from study.planning import RunSettings, Status
@@ -70,3 +73,14 @@ def test_where_nothing_but_torque_limits_accelerations_the_velocity_does_not_ste
     verdict = judge(problem, plan.motion)
     assert verdict.feasible, verdict.reasons
     assert verdict.arm_shares[0].max() > 0.9
+
+
+def test_without_a_limit_of_jerk_its_path_is_driven_anew():
+    problem = replace(walk(torque=[40.0, 9.5]), limits=JointLimits([1.5, 1.2], [9.0, 9.0]))
+    plan = FIRST.plan(problem, SETTINGS)
+    assert judge(problem, plan.motion).feasible
+    assert plan.message == ANEW
+    assert plan.motion(plan.motion.waypoint_times) == pytest.approx(POINTS, abs=1e-9)
+    along = Toppra(per_segment=50).plan(problem, SETTINGS).motion
+    assert plan.motion.duration < 1.05 * along.duration
+    assert along_itself(replace(problem, stops=[1]), plan.motion) is None, "it knows no stops"
