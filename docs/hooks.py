@@ -21,8 +21,12 @@ from study.bench.run import read
 from study.bounds import kind_of
 from study.cases.ledger import ledger
 from study.cases.own_file import schema
+from study.cases.suite_file import filed_suites
+from study.cases.suites import suite_named
 from study.cli.main import commands_with_names
 from study.registry import method_named, method_names
+from study.suites.law import committed_law
+from study.suites.records import records_table
 
 
 def on_page_markdown(markdown: str, **kwargs: Any) -> str:
@@ -33,6 +37,9 @@ def on_page_markdown(markdown: str, **kwargs: Any) -> str:
         "fields": _fields,
         "bench": _bench,
         "rooms": _rooms,
+        "law": lambda: committed_law(suite_named("scaling")),
+        "second law": lambda: committed_law(suite_named("scaling-second")),
+        "records": lambda: "\n\n".join(f"### {name}\n\n{records_table(suite_named(name))}" for name in filed_suites()),
         "card": lambda: _example()._repr_html_(),
         "plot": lambda: _example().plot("elbow")._repr_svg_(),
     }.items():

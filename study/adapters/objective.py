@@ -9,12 +9,15 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from study.cases.library import Case, case_names, load_case
+from study.cases.library import Case, load_case
+from study.cases.records import ProblemRecords, records_of
+from study.cases.suite_file import filed_suites
+from study.cases.suites import PAPERS, suite_named
 from study.curves import curve_named
 from study.datafiles import Strict, checked, data_folder, read_yaml
 from study.errors import StudyError
 from study.formulation import objective_of
-from study.planning import Formulation
+from study.planning import Formulation, Freedom
 from study.problem import Floats
 
 
@@ -78,7 +81,7 @@ class DurationObjective:
         self._low, self._high = (np.full(problem.n_segments, bound) for bound in problem.duration_bounds)
         self.instance = Instance.of(instance, self._low, self._high)
         self.lower, self.upper = self._low + self.instance.shift, self._high + self.instance.shift
-        known = _best_known().get(case.name, {}).get(self.formulation)
+        known = _best_known().get(case.name, {}).get(self.formulation) or _record(case, self.formulation)
         self.best_known = None if known is None else known.value
         self.best_point = None if known is None else self.point(np.array(known.durations))
         self.reset()
@@ -155,12 +158,12 @@ def objective(
     return DurationObjective(load_case(case) if isinstance(case, str) else case, formulation, instance)
 
 
-def suite(instances: int = 3) -> Iterator[DurationObjective]:
-    """Go through the papers' cases, both formulations and the first instances."""
-    for name in case_names(default_only=True):
-        for formulation in Formulation:
+def suite(instances: int = 3, name: str = PAPERS) -> Iterator[DurationObjective]:
+    """Go through the problems of a suite and the first instances; of the papers' cases both formulations, else `scaled`."""
+    for case in suite_named(name).cases.values():
+        for formulation in Formulation if name == PAPERS else (Formulation.SCALED,):
             for instance in range(instances):
-                yield objective(name, formulation, instance)
+                yield objective(case, formulation, instance)
 
 
 class _Known(Strict):
@@ -177,3 +180,12 @@ class _File(Strict):
 def _best_known() -> dict[str, dict[str, _Known]]:
     path = data_folder() / "best_known.yaml"
     return checked(_File, read_yaml(path), f"file {path.name!r}").cases
+
+
+def _record(case: Case, formulation: Formulation) -> _Known | None:
+    """Best known durations of a suite's problem; None where there are none, and for the penalty, which stretches nothing."""
+    suite = case.name.partition(":")[0]
+    if formulation is not Formulation.SCALED or suite not in filed_suites():
+        return None
+    best = records_of(suite_named(suite)).get(case.name, ProblemRecords()).best.get(Freedom.CURVE)
+    return None if best is None or best.durations is None else _Known(value=best.duration, durations=best.durations)

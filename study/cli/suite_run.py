@@ -13,6 +13,7 @@ from rich.text import Text
 from study.analysis.formatting import percent, wall
 from study.cases.case import Case
 from study.cases.library import load_case
+from study.cases.records import ProblemRecords, known_times, records_file, records_of
 from study.cases.suite_file import suites_folder
 from study.cases.suites import PAPERS, Suite, suite_named
 from study.cli.check import report_verdict
@@ -41,15 +42,7 @@ from study.suites.lineups import Lineup, chosen_cases, given_lineup, lineup_name
 from study.suites.measures import Field, Run, Score, best_in, runs_file, runs_of, scores, write_runs
 from study.suites.page import write_page
 from study.suites.papers import papers_marks
-from study.suites.records import (
-    ProblemRecords,
-    contradictions,
-    improved,
-    known_times,
-    records_file,
-    records_of,
-    records_text,
-)
+from study.suites.records import contradictions, improved, records_text
 from study.suites.submission import ENDING, record_text, submission
 
 

@@ -10,13 +10,13 @@ from itertools import groupby
 import numpy as np
 
 from study.analysis.formatting import listed, percent, plural
+from study.cases.records import known_times
 from study.cases.suites import Suite
 from study.comparison.statistics import Interval
 from study.errors import StudyError
 from study.planning import Freedom
 from study.problem import Floats
 from study.suites.measures import Field, Run, best_in, read_runs, runs_file
-from study.suites.records import known_times
 
 RESAMPLES, LEVEL = 1000, 0.95
 MARKS = (0.01, 0.1)

@@ -164,7 +164,9 @@ class Field:
 
     def gap(self, run: Run, own_kind: bool = True) -> float:
         """Duration above the best known, relative; infinite for a run without a feasible motion."""
-        known = self.best.get((run.problem, run.kind), np.inf) if own_kind else self.best_of_any[run.problem]
+        known = (
+            self.best.get((run.problem, run.kind), np.inf) if own_kind else self.best_of_any.get(run.problem, np.inf)
+        )
         return run.duration / known - 1.0 if run.feasible else np.inf
 
     @cached_property

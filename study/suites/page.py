@@ -13,6 +13,7 @@ from markupsafe import Markup
 from study.analysis.formatting import bare_seconds, listed, percent, plural, wall
 from study.analysis.palette import method_slots
 from study.analysis.tables import Grid, write_table
+from study.cases.records import ProblemRecords
 from study.cases.suites import Suite
 from study.comparison.statistics import critical_difference, friedman
 from study.files import write_file
@@ -36,7 +37,6 @@ from study.suites.measures import (
     shifted_mean,
     table_of_problems,
 )
-from study.suites.records import ProblemRecords
 
 
 @dataclass(frozen=True)

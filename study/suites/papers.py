@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from statistics import median
 
+from study.cases.records import known_times
 from study.cases.suites import PAPERS, suite_named
 from study.suites.measures import Field, Run, best_in, read_runs, runs_file
-from study.suites.records import known_times
 
 
 def papers_marks() -> list[tuple[str, int, float, str]]:

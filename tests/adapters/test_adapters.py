@@ -29,6 +29,13 @@ def test_the_best_known_point_is_a_feasible_motion(name):
     assert verdict.worst_ratio == pytest.approx(1.0, abs=1e-6)
 
 
+def test_problems_of_a_suite_have_their_records_as_best_known_values():
+    known = [one for one in suite(instances=1, name="scaling") if one.best_known]
+    assert len(known) >= 18
+    for one in known[::6]:
+        assert one(one.best_point) == pytest.approx(one.best_known, rel=1e-8)
+
+
 def test_no_neighbour_beats_the_best_known_value():
     for one in suite(instances=2):
         rng = np.random.default_rng(0)

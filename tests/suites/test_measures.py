@@ -53,6 +53,12 @@ def test_endings_are_told_apart(field, changes, said):
     assert scores(Field(runs, field.best))[1].failures == {said: 1}
 
 
+def test_a_problem_that_nobody_solved_counts_too():
+    lost = replace(BROKEN, problem="s:c")
+    (score,) = scores(Field((lost,), best_in([lost])))
+    assert (score.feasible, score.gap_any) == (0, pytest.approx(measures.FAILED))
+
+
 def test_profiles_end_at_the_share_that_succeeded(field):
     lines = {line.method: line for line in performance_profiles(field)}
     assert lines["quick"].x.tolist() == [1.0, 1.0]

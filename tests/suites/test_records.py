@@ -2,12 +2,13 @@
 
 import pytest
 
+from study.cases.records import ProblemRecords, Record, records_of
 from study.cases.suite_file import filed_suites
 from study.cases.suites import suite_named
 from study.planning import Freedom, RunSettings
 from study.runs.execute import CellJob
 from study.store.results import Cell
-from study.suites.records import ProblemRecords, Record, contradictions, improved, records_of, records_text
+from study.suites.records import contradictions, improved, records_text
 
 NAME = "hard:one-joint-alone"
 KINDS = {"casadi-nlp": Freedom.CURVE, "ruckig-stops": Freedom.FREE, "any-motion-bound": None}

@@ -4,13 +4,13 @@ import json
 
 import pytest
 
+from study.cases import records
+from study.cases.records import records_of
 from study.cases.suites import suite_named
 from study.errors import StudyError
 from study.io.export import write_motion
 from study.planning import RunSettings
 from study.registry import method_named
-from study.suites import records
-from study.suites.records import records_of
 from study.suites.submission import record_text, refuted, submission
 
 NAME = "hard:staircase"
