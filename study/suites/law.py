@@ -9,7 +9,8 @@ from itertools import groupby
 
 import numpy as np
 
-from study.analysis.formatting import listed, percent, plural
+from study.analysis.formatting import percent, plural
+from study.analysis.tables import Grid
 from study.cases.records import known_times
 from study.cases.suites import Suite
 from study.comparison.statistics import Interval
@@ -24,6 +25,9 @@ MARKS = (0.01, 0.1)
 
 VISIBLE = 1e-4
 """Gap from which on growth is fitted; below it a method has found the optimum."""
+
+OF_THE_PAPERS = ("golds-pso", "dynamic-adaptive-pso", "chaotic-spso", "tadf-ssa", "smwoa")
+"""The search that each of the five papers proposes."""
 
 LAST_RESORT = 10.0
 """Gap in the place of infinity where logarithms are taken."""
@@ -151,7 +155,7 @@ def _passing(sizes: Floats, gaps: Floats, mark: float) -> float | None:
 
 
 def committed_law(suite: Suite) -> str:
-    """Tell the law of a suite's committed runs, budget by budget.
+    """Tell the law of a suite's committed runs, budget by budget: a paragraph and a table in Markdown each.
 
     Raises
     ------
@@ -160,52 +164,98 @@ def committed_law(suite: Suite) -> str:
     """
     runs = read_runs(runs_file(suite))
     field = Field(tuple(runs), best_in(runs, known_times(suite)))
-    budgets = sorted({run.evaluations for run in runs if run.evaluations})
-    texts = [text for budget in budgets if (text := paragraph(field, budget))]
-    if not texts:
+    parts = []
+    for budget in sorted({run.evaluations for run in runs if run.evaluations}):
+        if text := paragraph(field, budget):
+            table = law_grid(field, budget)
+            rows = [table.head, ["---", *["---:"] * (len(table.head) - 1)], *table.rows]
+            parts += [text, "\n".join("| " + " | ".join(map(str, cells)) + " |" for cells in rows)]
+    if not parts:
         raise StudyError(f"suite {suite.name!r} has no committed runs of searches on growing problems")
-    return "\n\n".join(texts)
+    return "\n\n".join(parts)
 
 
-def paragraph(field: Field, evaluations: int | None = None) -> str:
-    """Tell the law in numbers, at one budget, by default the largest; empty where no search was run on growing problems."""
-    every = growths(field)
-    budget = max((each.evaluations for each in every), default=0) if evaluations is None else evaluations
-    grown = [each for each in every if each.evaluations == budget and len(each.points) > 2]
+def _at_budget(field: Field, evaluations: int) -> list[Growth]:
+    return [each for each in growths(field) if each.evaluations == evaluations and len(each.points) > 2]
+
+
+def largest_budget(field: Field) -> int:
+    """Largest budget of a search on growing problems; 0 where none was run."""
+    return max((each.evaluations for each in growths(field) if len(each.points) > 2), default=0)
+
+
+def paragraph(field: Field, evaluations: int) -> str:
+    """Tell the law in numbers at one budget; empty where no search was run on growing problems."""
+    grown = _at_budget(field, evaluations)
     if not grown:
         return ""
-    sizes = [point.segments for point in grown[0].points]
-    optimum = [run for run in field.runs if run.planner == "casadi-nlp" and run.segments == sizes[-1] and not run.jerk]
-    took = (
-        f", where casadi-nlp, the deterministic optimum, took {np.median([r.wall_time for r in optimum]):.1f} s"
-        if optimum
-        else ""
-    )
-    joints = plural(next(run.joints for run in field.runs if run.segments == sizes[-1]), "joint")
+    first, last = grown[0].points[0].segments, grown[0].points[-1].segments
+    joints = plural(max({run.joints for run in field.runs if run.segments == last}), "joint")
+    passes = [at for each in grown if (at := each.passes[MARKS[0]]) is not None]
+    powers = [each.exponent.estimate for each in grown if each.exponent]
     failed = sum(point.failed for each in grown for point in each.points)
     runs = sum(point.runs for each in grown for point in each.points)
-    return (
-        f"With {joints}, limits of velocity and acceleration and {budget:,} evaluations, the median gap to the optimum of the same "
-        f"curve at {sizes[0]} and at {sizes[-1]} segments is {listed([_spread(each) for each in grown])}{took}. It passes 1 % at "
-        f"{listed([_passed(each, 0.01) for each in grown])}. Where it is visible the gap grows with the number of segments to the "
-        f"power of {listed([_power(each) for each in grown if each.exponent])}. In square brackets are 95 % bootstrap intervals over "
-        f"problems and seeds; {failed} of {runs} runs brought no feasible motion and count as infinitely far behind."
+    own = [each for each in grown if each.planner in OF_THE_PAPERS]
+    papers = f", the papers' {len(own)} of them {_range(own, -1)}" if own else ""
+    growth = (
+        f" Where it is visible it grows with the number of segments to the power of {min(powers):.1f} to {max(powers):.1f}."
+        if powers
+        else ""
     )
+    passing = f" The gap passes 1 % at {min(passes):.0f} to {max(passes):.0f} segments." if passes else ""
+    return (
+        f"With {joints}, limits of velocity and acceleration and {evaluations:,} evaluations, the median gap of "
+        f"{plural(len(grown), 'search')} to the optimum of the same curve is {_range(grown, 0)} at {first} segments and "
+        f"{_range(grown, -1)} at {last}{papers}{_optimum(field, last)}.{passing}{growth} {failed} of {runs} runs brought no feasible "
+        "motion; such a run counts as infinitely far behind."
+    ).replace("searchs", "searches")
 
 
-def _spread(growth: Growth) -> str:
-    first, last = growth.points[0].gap, growth.points[-1].gap
-    band = f"[{percent(last.lower, signed=False)}, {percent(last.upper, signed=False)}]"
-    return f"{percent(first.estimate, signed=False)} and {percent(last.estimate, signed=False)} {band} for {growth.planner}"
+def _range(grown: Sequence[Growth], number: int) -> str:
+    ranked = sorted(grown, key=lambda each: each.points[number].gap.estimate)
+    low, high = (
+        f"{percent(each.points[number].gap.estimate, signed=False)} ({each.planner})"
+        for each in (ranked[0], ranked[-1])
+    )
+    return f"{low} to {high}"
 
 
-def _passed(growth: Growth, mark: float) -> str:
-    at = growth.passes[mark]
-    return f"{at:.0f} segments for {growth.planner}" if at is not None else f"none of these sizes for {growth.planner}"
+def _optimum(field: Field, segments: int) -> str:
+    walls = [r.wall_time for r in field.runs if r.planner == "casadi-nlp" and r.segments == segments and not r.jerk]
+    return f"; casadi-nlp finds that optimum in {np.median(walls):.1f} s there" if walls else ""
 
 
-def _power(growth: Growth) -> str:
-    exponent = growth.exponent
-    if exponent is None:
-        return ""
-    return f"{exponent.estimate:.1f} [{exponent.lower:.1f}, {exponent.upper:.1f}] for {growth.planner}"
+def law_grid(field: Field, evaluations: int) -> Grid:
+    """Table of the law at one budget: gaps with their bands, where they pass the marks, and the exponent."""
+    grown = _at_budget(field, evaluations)
+    sizes = [str(point.segments) for point in grown[0].points] if grown else []
+    head = [
+        "Search",
+        *(f"{size} segments" for size in sizes),
+        *(f"passes {percent(m, signed=False)}" for m in MARKS),
+        "Power",
+    ]
+    rows = [
+        [
+            each.planner,
+            *(_banded(point.gap) for point in each.points),
+            *("–" if at is None else f"{at:.0f}" for at in each.passes.values()),
+            "–"
+            if each.exponent is None
+            else f"{each.exponent.estimate:.1f} [{each.exponent.lower:.1f}, {each.exponent.upper:.1f}]",
+        ]
+        for each in grown
+    ]
+    caption = (
+        f"Median gap to the optimum of the same curve at {evaluations:,} evaluations, the segments at which it passes a mark, and the "
+        "power of the number of segments with which it grows where it is visible; in square brackets 95 % bootstrap intervals over "
+        "problems and seeds."
+    )
+    return Grid(caption, head, rows)
+
+
+def _banded(gap: Interval) -> str:
+    if gap.upper < VISIBLE:
+        return percent(gap.estimate, signed=False)
+    low, high = percent(gap.lower, signed=False), percent(gap.upper, signed=False)
+    return f"{percent(gap.estimate, signed=False)} [{low}, {high}]"

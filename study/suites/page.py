@@ -21,7 +21,7 @@ from study.planning import Freedom
 from study.report.plot_style import SERIES
 from study.report.rendering import render, write_scripts
 from study.suites import figures
-from study.suites.law import growths, paragraph
+from study.suites.law import growths, largest_budget, law_grid, paragraph
 from study.suites.measures import (
     FAILED,
     NEAR,
@@ -139,11 +139,11 @@ def score_grid(ranked: Sequence[Score]) -> Grid:
 
 
 def _law(field: Field, papers: figures.Marks) -> list[Section]:
-    text, grown = paragraph(field), growths(field)
-    if not text:
+    budget = largest_budget(field)
+    if not budget:
         return []
-    budget = max(each.evaluations for each in grown)
-    lines = [each for each in grown if each.evaluations == budget]
+    text = paragraph(field, budget)
+    lines = [each for each in growths(field) if each.evaluations == budget]
     styles = method_slots(sorted({each.planner for each in lines})[: len(SERIES)])
     drawn = [each for each in lines if each.planner in styles]
     marks = (
@@ -153,7 +153,15 @@ def _law(field: Field, papers: figures.Marks) -> list[Section]:
     )  # fmt: skip
     picture = figures.growth("growth", drawn, styles, papers)
     legend = [(style, name) for name, style in styles.items()]
-    return [Section("How far methods fall behind", [text, *([marks] if marks else [])], [picture], legend=legend)]
+    return [
+        Section(
+            "How far methods fall behind",
+            [text, *([marks] if marks else [])],
+            [picture],
+            [law_grid(field, budget)],
+            legend,
+        )
+    ]
 
 
 def _profiles(field: Field, ranked: Sequence[Score]) -> list[Section]:

@@ -13,7 +13,7 @@ INSTANCES = "abc"
 VELOCITY, ACCELERATION, JERK, HALF = 1.5, 5.0, 50.0, 1.5
 """Limits of every joint, rad/s, rad/s^2, rad/s^3, and half the span of the waypoints, rad."""
 
-QUICK_SEGMENTS = 99
+QUICK_SEGMENTS = 49
 QUICK = "quick"
 """Tag of the problems of the quick run."""
 

@@ -8,7 +8,7 @@ import pytest
 
 from study.cases.suites import suite_named
 from study.errors import StudyError
-from study.suites.law import committed_law, growths, paragraph
+from study.suites.law import committed_law, growths, largest_budget, law_grid, paragraph
 from study.suites.measures import Field, Run, best_in, read_runs, runs_file
 from study.suites.page import write_page
 
@@ -48,15 +48,19 @@ def test_exponent_and_marks_are_those_of_the_law(field):
 def test_failures_are_infinitely_far_behind_and_counted(field):
     last = {each.planner: each for each in growths(field)}["worse"].points[-1]
     assert (last.failed, last.runs, last.gap.estimate) == (9, 9, np.inf)
-    assert "9 of 108 runs brought no feasible motion" in paragraph(field)
+    assert "9 of 108 runs brought no feasible motion" in paragraph(field, 1000)
 
 
-def test_the_paragraph_tells_the_numbers(field):
-    text = paragraph(field)
+def test_the_paragraph_and_the_table_tell_the_numbers(field):
+    text = paragraph(field, 1000)
     assert "7 joints" in text
-    assert "1.5 [1.5, 1.5] for pso" in text
-    assert "14 segments for pso" in text
-    assert paragraph(Field((BASE,), best_in([BASE]))) == ""
+    assert "the median gap of 3 searches" in text
+    assert "to the power of 1.5 to" in text
+    rows = {row[0]: row for row in law_grid(field, 1000).rows}
+    assert rows["pso"][-3:] == ["14", "–", "1.5 [1.5, 1.5]"]
+    assert rows["de"][1:5] == ["0 %"] * 4
+    assert paragraph(Field((BASE,), best_in([BASE])), 1000) == ""
+    assert largest_budget(Field((BASE,), best_in([BASE]))) == 0
 
 
 def test_the_page_has_figure_scores_ranks_and_failures(field, tmp_path):
