@@ -55,17 +55,9 @@ def kernel_rows(repetitions: int) -> list[Measurement]:
         counts = {"papers": FEW} | dict.fromkeys(engines(), POPULATION)
         taken = interleaved(calls, repetitions, counts)
         for by in (engine.NUMBA, engine.NUMPY):
-            target = TARGETS[curve, by]
-            if by in taken:
-                rows.append(
-                    Measurement(
-                        TOPIC, f"{label}, {by}", "the papers' way", "candidate", taken[by], taken["papers"], target
-                    )
-                )
-            else:
-                rows.append(
-                    Measurement(TOPIC, f"{label}, {by}", "the papers' way", "", target=target, missing=NOT_THERE)
-                )
+            name, target = f"{label}, {by}", TARGETS[curve, by]
+            seconds, absent = ((taken[by], taken["papers"]), "") if by in taken else (((), ()), NOT_THERE)
+            rows.append(Measurement(TOPIC, name, "the papers' way", "candidate", *seconds, target, absent))
     return rows + _bspline_rows(repetitions)
 
 

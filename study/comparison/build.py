@@ -16,7 +16,6 @@ from study.comparison.contestants import (
     Contestant,
     Level,
     Reference,
-    Runs,
     contestants,
     level_cells,
     references,
@@ -26,7 +25,6 @@ from study.comparison.effort import Effort
 from study.comparison.trials import TrialJob
 from study.runs.execute import cell_jobs, stored_results
 from study.runs.job import Job
-from study.store.results import Cell
 from study.store.store import Store
 
 FLAGS = "flags"
@@ -109,13 +107,12 @@ def compare(cases: Mapping[str, Case], effort: Effort, store: Store, run: Run) -
     tried = {name: _tried(name, part, store, run) for name, part in trial_jobs(chosen, effort).items()}
     audited = audit.audit_of(tried["functions"], tried["trajectories"])
     store.note(FLAGS, audited.flags)
-    field = _field(chosen, runs, cells, solving)
-    known, levels = field.references, field.levels
+    known, levels = references(chosen, runs), {level: contestants(runs, group, level) for level, group in cells.items()}
     tests = [ranking.omnibus(group, known, level) for level, group in levels.items()]
     return Comparison(
         cases=cases,
         effort=effort,
-        field=field,
+        field=Field(known, levels, contestants(runs, solving, Level.SOLVER)),
         measured={level: targets.performances(group, known) for level, group in levels.items()},
         pairings={level: ranking.pairings(group, known) for level, group in levels.items()},
         omnibus=[test for test in tests if test is not None],
@@ -124,11 +121,6 @@ def compare(cases: Mapping[str, Case], effort: Effort, store: Store, run: Run) -
         claims=claims.counterparts(cases, runs, own, known),
         failures=outcomes.failures(tried.values()),
     )
-
-
-def _field(cases: Sequence[Case], runs: Runs, cells: Mapping[Level, list[Cell]], solving: Sequence[Cell]) -> Field:
-    levels = {level: contestants(runs, group, level) for level, group in cells.items()}
-    return Field(references(cases, runs), levels, contestants(runs, solving, Level.SOLVER))
 
 
 def trial_jobs(cases: Sequence[Case], effort: Effort) -> dict[str, list[TrialJob]]:

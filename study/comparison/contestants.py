@@ -244,10 +244,6 @@ def reference_grid(references: Mapping[str, Reference], flags: Mapping[str, str]
     )
 
 
-def _or_none(duration: float) -> str:
-    return seconds(duration) if np.isfinite(duration) else "no feasible motion"
-
-
 def solver_grid(solvers: Sequence[Contestant], references: Mapping[str, Reference]) -> Grid:
     """Duration and wall time of the solvers."""
 
@@ -258,7 +254,12 @@ def solver_grid(solvers: Sequence[Contestant], references: Mapping[str, Referenc
     columns: tuple[Column[Contestant], ...] = (
         Column("", "Case", lambda solver: solver.case),
         Column("", "Solver", lambda solver: solver.planner),
-        Column("", "Duration", lambda solver: solver.median, _or_none),
+        Column(
+            "",
+            "Duration",
+            lambda solver: solver.median,
+            lambda t: seconds(t) if np.isfinite(t) else "no feasible motion",
+        ),
         Column("", "Against the best known", behind),
         Column("", "Wall", lambda solver: solver.seconds, wall),
     )

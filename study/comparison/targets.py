@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -149,22 +149,17 @@ def target_rows(measured: Sequence[Performance]) -> list[TargetRow]:
     return [(each, number) for each in measured for number in range(len(TARGETS))]
 
 
-def _evaluations(number: int) -> Column[Performance]:
-    head = f"to {target_name(TARGETS[number])}"
-    return Column("", head, lambda row: row.evaluations[number], lambda n: count(n) if np.isfinite(n) else "never")
-
-
-def _seconds(number: int) -> Column[Performance]:
-    head = f"time to {target_name(TARGETS[number])}"
-    return Column("", head, lambda row: row.seconds[number], lambda s: wall(s) if np.isfinite(s) else "never")
+def _to(number: int, head: str, field: str, text: Callable[[float], str]) -> Column[Performance]:
+    said = f"{head}to {target_name(TARGETS[number])}"
+    return Column("", said, lambda row: getattr(row, field)[number], lambda n: text(n) if np.isfinite(n) else "never")
 
 
 PAGE_COLUMNS: tuple[Column[Performance], ...] = (
     PlannerColumn("", "Planner", lambda row: row.contestant.planner),
     Column("", "Feasible", lambda row: row.contestant.passed),
     Column("", "Median gap", lambda row: row.gap, percent),
-    *map(_evaluations, range(len(TARGETS))),
-    *map(_seconds, range(len(TARGETS))),
+    *(_to(number, "", "evaluations", count) for number in range(len(TARGETS))),
+    *(_to(number, "time ", "seconds", wall) for number in range(len(TARGETS))),
     Column("", "Wall", lambda row: row.contestant.seconds, wall),
 )
 

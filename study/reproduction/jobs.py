@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, ClassVar
 
@@ -101,14 +101,8 @@ def _modules(content: object) -> Iterator[str]:
             yield from _modules(getattr(content, part.name))
 
 
-class Runs:
+class Runs(dict[Any, Record]):
     """Records of finished jobs."""
 
-    def __init__(self, records: Mapping[Any, Record] | Iterable[tuple[Any, Record]]) -> None:
-        self._records = dict(records)
-
-    def __getitem__(self, job: RecordJob) -> Record:
-        """Record of a job that was asked for."""
-        if job not in self._records:
-            raise StudyError(f"reproduction: nothing was run for {job!r}; ask for it among the paper's jobs")
-        return self._records[job]
+    def __missing__(self, job: RecordJob) -> Record:
+        raise StudyError(f"reproduction: nothing was run for {job!r}; ask for it among the paper's jobs")
