@@ -11,6 +11,7 @@ from study.analysis.featured import IN_ORDER, ROLE_NAMES, SEARCHES
 from study.analysis.ladder import breakdown_of
 from study.analysis.methods import Kind, names_explained
 from study.analysis.sentences import answer
+from study.cases.papers import paper_of
 from study.report import bars, plot_style
 from study.report.case_page import CaseReport
 from study.report.filling import filled
@@ -65,11 +66,19 @@ def index_page(shown: Sequence[CaseReport], environment: Mapping[str, str], out:
             "ran": any(report.summary.ran for report in own),
             "own": [(report, own_row(report)) for report in own],
             "earlier": _earlier(shown, out),
+            "papers": _papers(out),
             "beside": {path: said for path, said in BESIDE.items() if (out / path).is_file()},
             "flags": flags,
             "environment": environment,
         },
     )
+
+
+def _papers(out: Path) -> dict[str, str]:
+    """Pages of reproduced papers in the folder, and the paper that each is about."""
+    pages = sorted((out / "reproduction").glob("*.html"))
+    asked = {f"reproduction/{page.name}": paper_of(page.stem) for page in pages}
+    return {path: paper.citation for path, paper in asked.items() if paper is not None}
 
 
 def _published_count(reports: Sequence[CaseReport]) -> tuple[int, int]:

@@ -77,13 +77,14 @@ def test_the_index_leads_to_all_that_lies_beside_it_and_leaves_other_pages_alone
     assert (tmp_path / "woodworking.html").stat().st_size < MOST_BYTES
     assert sorted(path.name for path in (tmp_path / "assets").iterdir()) == ["report.js", "uplot.js"]
     assert "The MIT License" in (tmp_path / "assets" / "uplot.js").read_text(encoding="utf-8")
-    for path in (*BESIDE, "older.html"):
+    own_paper = "reproduction/woodworking-golds-pso.html"
+    for path in (*BESIDE, "older.html", own_paper):
         (tmp_path / path).parent.mkdir(exist_ok=True)
         (tmp_path / path).write_text("<html>")
     (tmp_path / "woodworking.html").write_text("as it was")
     build_report([wood, mine], tmp_path, {}, only=["mine"])
     text = (tmp_path / "index.html").read_text(encoding="utf-8")
-    for path in (*BESIDE, "older.html", "woodworking.html", "mine.html"):
+    for path in (*BESIDE, "older.html", own_paper, "woodworking.html", "mine.html"):
         assert f'href="{path}"' in text, path
     assert (tmp_path / "woodworking.html").read_text() == "as it was"
     assert 'href="index.html"' in (tmp_path / "mine.html").read_text(encoding="utf-8")
