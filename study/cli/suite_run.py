@@ -92,8 +92,14 @@ def run_suite(name: str, asked: Asked, out: Path, workers: Workers, console: Saf
 def show_last_suite(out: Path, console: SafeConsole) -> None:
     """Show the suite of the last run again, from the stored results."""
     suite = suite_of_last_run(out)
-    cases, _, results = last_run(out, suite.name)
-    show_suite(suite, cases, results, out, console)
+    show_suite(suite, *_last_of(suite, out), out, console)
+
+
+def _last_of(suite: Suite, out: Path) -> tuple[dict[str, Case], list[Result]]:
+    """Cases and results of the last runs into a folder that belong to a suite; the papers' cases have no suite in their names."""
+    cases, _, results = last_run(out, suite.name if suite.problems else "")
+    own = {name: case for name, case in cases.items() if name in suite.cases}
+    return own, [result for result in results if result.cell.case in own]
 
 
 def _lineup(suite: Suite, asked: Asked) -> Lineup:
@@ -157,7 +163,7 @@ def kept_run(out: Path) -> Iterator[tuple[Path, str]]:
         If the last run was no run of a suite, or a record contradicts a bound or the judge.
     """
     suite = suite_of_last_run(out)
-    cases, _, results = last_run(out, suite.name)
+    cases, results = _last_of(suite, out)
     runs = runs_of(results, cases)
     methods = {name: method_named(name) for name in {run.planner for run in runs}}
     kinds = {name: method.freedom if isinstance(method, Planner) else None for name, method in methods.items()}

@@ -196,7 +196,7 @@ def paragraph(field: Field, evaluations: int) -> str:
     failed = sum(point.failed for each in grown for point in each.points)
     runs = sum(point.runs for each in grown for point in each.points)
     own = [each for each in grown if each.planner in OF_THE_PAPERS]
-    papers = f", the papers' {len(own)} of them {_range(own, -1)}" if own else ""
+    papers = f", the papers' own searches {_range(own, -1)}" if own else ""
     growth = (
         f" Where it is visible it grows with the number of segments to the power of {min(powers):.1f} to {max(powers):.1f}."
         if powers

@@ -62,3 +62,11 @@ def test_a_suite_is_run_resumed_and_shown_again(study_command, tmp_path):
     assert "24 cells, 0 of them stored already" in study_command(*arguments).stdout
     assert "24 cells, 24 of them stored already" in study_command(*arguments).stdout
     assert "ruckig-stops" in study_command("report", "--out", tmp_path).stdout
+
+
+@pytest.mark.slow
+def test_the_papers_are_run_with_a_line_up_and_shown_again(study_command, tmp_path):
+    arguments = ("run", "--suite", "papers", "--lineup", "growth", "--planners", "ruckig-stops", "--out", tmp_path)
+    assert "give --planners or --lineup" in study_command(*arguments).stderr
+    study_command("run", "--suite", "papers", "--planners", "ruckig-stops", "--lineup", "", "--out", tmp_path)
+    assert "ruckig-stops" in study_command("report", "--out", tmp_path).stdout
