@@ -21,7 +21,9 @@ COMMANDS = {
     "list": Entry("listing", "list_all", "List cases and planners; the default ones are what `study run` takes."),
     "run": Entry("run", "run", "Run every case with every planner, then write tables, report and recordings."),
     "report": Entry(
-        "run", "report", "Write tables, report and recordings of the last run again, from the stored results."
+        "run",
+        "report",
+        "Write tables, report and recordings again from the stored results, every case as it was run last.",
     ),
     "view": Entry("run", "view", "Open the recording of a case in the rerun viewer."),
     "ledger": Entry(

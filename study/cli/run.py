@@ -177,7 +177,7 @@ def report(
         ),
     ] = False,
 ) -> None:
-    """Write tables, report and recordings of the last run again, from the stored results.
+    """Write tables, report and recordings again from the stored results, every case as it was run last.
 
     After a run that was killed they show the cells that were finished: each was stored the moment it ended, and
     recordings are made from the store, so none has to be mended.
