@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from baselines.base import segment_rates
 from baselines.free_path.question import Integers
@@ -148,6 +147,8 @@ def _slower(problem: Problem, solve: Solve, plan: Plan, wanted: float) -> Plan:
     while late(most) < 0 and most < SLOWEST:
         most *= 1.5
     if late(most) >= 0:
+        from scipy.optimize import brentq  # here: slow to import
+
         brentq(late, most / 1.5 if most > 1 else 1.0, most, xtol=1e-10, maxiter=40, disp=False)
     return min(plans.values(), key=lambda each: abs(_error(each, wanted)))
 

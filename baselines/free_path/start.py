@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.linalg import solve_banded
 
 from baselines.free_path.model import Model
 from baselines.free_path.pieces import Point
@@ -82,19 +82,29 @@ def swelling(model: Model) -> Floats:
 
 def node_velocities(question: FreePathProblem, durations: Floats) -> Floats:
     """Velocities at the waypoints of clamped cubic splines from stop to stop, shape (n_waypoints, n_joints)."""
-    knots = np.append(0.0, np.cumsum(durations))
     at_start, at_end = np.nan_to_num(question.start[0]), np.nan_to_num(question.end[0])
     velocity = np.zeros_like(question.waypoints)
     velocity[0], velocity[-1] = at_start, at_end
-    stops = np.concatenate([[0], np.flatnonzero((question.stops | (question.dwells > 0))[1:-1]) + 1, [len(knots) - 1]])
+    stops = np.concatenate([[0], np.flatnonzero((question.stops | (question.dwells > 0))[1:-1]) + 1, [len(durations)]])
     for first, last in pairwise(stops):
         if last - first < 2:
             continue
         part = slice(first, last + 1)
-        ends = velocity[first], velocity[last]
-        spline = CubicSpline(knots[part], question.waypoints[part], bc_type=((1, ends[0]), (1, ends[1])))
-        velocity[part] = spline(knots[part], 1)
+        velocity[part] = _slopes(durations[first:last], question.waypoints[part], velocity[part])
     return velocity
+
+
+def _slopes(durations: Floats, points: Floats, velocity: Floats) -> Floats:
+    """Velocities of the clamped cubic spline through points, given those at both ends, (n_points, n_joints)."""
+    before, after = durations[:-1, None], durations[1:, None]
+    mean = np.diff(points, axis=0) / durations[:, None]
+    right = 3 * (after * mean[:-1] + before * mean[1:])
+    right[0] -= after[0] * velocity[0]
+    right[-1] -= before[-1] * velocity[-1]
+    band = np.zeros((3, len(right)))
+    band[0, 1:], band[1], band[2, :-1] = before[:-1, 0], 2 * (before + after)[:, 0], after[1:, 0]
+    inner = solve_banded((1, 1), band, right, check_finite=False)
+    return np.concatenate([velocity[:1], inner, velocity[-1:]])
 
 
 def _accelerations(steps: Floats, velocity: Floats, durations: Floats) -> tuple[Floats, Floats]:

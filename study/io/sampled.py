@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline, PPoly
 
 from study.errors import StudyError
 from study.io.passages import passages
@@ -17,6 +17,9 @@ from study.io.waypoints import ROUNDED
 from study.problem import EndCondition, Floats, Problem
 from study.tolerances import TOLERANCE
 from study.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 
 class Interpolation(StrEnum):
@@ -110,6 +113,8 @@ def _times(samples: Samples, where: str) -> Floats:
 def _pieces(
     times: Floats, orders: Sequence[Floats], chosen: Interpolation, end: EndCondition
 ) -> tuple[PPoly[np.float64], str]:
+    from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly  # here: slow to import
+
     said = SENTENCES[chosen]
     if chosen is Interpolation.LINEAR:
         slopes = np.diff(orders[0], axis=0) / np.diff(times)[:, None]
@@ -132,6 +137,8 @@ def _quintic(times: Floats, states: Floats) -> PPoly[np.float64]:
     In microseconds the third difference of positions is rounding and nothing else. Where linear acceleration meets the next
     sample to the last digits, the piece has linear acceleration.
     """
+    from scipy.interpolate import BPoly, PPoly  # here: slow to import
+
     pieces = PPoly.from_bernstein_basis(BPoly.from_derivatives(times, states))
     h = np.diff(times)[:, None]
     (q0, v0, a0), (q1, v1, a1) = np.moveaxis(states[:-1], 1, 0), np.moveaxis(states[1:], 1, 0)
