@@ -105,7 +105,7 @@ def test_the_plan():
 
 def test_out_of_time_is_not_called_finished():
     problem = small(EACH_LIMIT["all"], n_waypoints=12)
-    plan = FreePathNlp(16).plan(problem, RunSettings("cubic-spline", time_limit=0.02))
+    plan = FreePathNlp(48).plan(problem, RunSettings("cubic-spline", time_limit=0.2))
     assert plan.status in (Status.NOT_CONVERGED, Status.FAILED)
     assert "IPOPT" in plan.message
 
