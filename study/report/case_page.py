@@ -145,13 +145,18 @@ def contents_of(report: CaseReport, series: Sequence[plot_style.Series] = (), hi
         "tolerance": TOLERANCE,
         "collisions": any(":" in text for text in summary.driving.values()),
         "infinity": float("inf"),
-        "arm": [
-            (method.label, ROLE_NAMES[role], name, text)
-            for _, role, method in summary.best.present()
-            if (shown := method.representative) is not None and shown.verdict is not None
-            for name, text in arm_uses(problem, shown.verdict).items()
-        ],
+        "arm": _arm(summary),
     }
+
+
+def _arm(summary: CaseSummary) -> list[tuple[str, str, str, str]]:
+    """Label and role of every featured method, the name of a limit of the arm, and its largest use in words."""
+    return [
+        (method.label, ROLE_NAMES[role], name, text)
+        for _, role, method in summary.best.present()
+        if (shown := method.representative) is not None and shown.verdict is not None
+        for name, text in arm_uses(summary.case.problem, shown.verdict).items()
+    ]
 
 
 def featured_series(summary: CaseSummary) -> tuple[list[plot_style.Series], list[plot_style.Series]]:

@@ -7,7 +7,7 @@ import pytest
 
 from study import StudyError
 from study.robots import robot_named, robot_names
-from study.robots.masses import heavy_arm
+from study.robots.masses import heavy_arm, without_friction
 from study.robots.urdf import urdf_robot
 
 HEAVY = Path(__file__).parent.parent / "helpers" / "heavy.urdf"
@@ -73,6 +73,16 @@ def test_drake_reads_the_same_torques_from_the_file():
         np.testing.assert_allclose(smooth, torque, rtol=1e-9, atol=1e-9)
         speed = tip.CalcSpatialVelocityInWorld(context).translational()
         assert np.linalg.norm(arm.tool_rates(q, v, a)[0]) == pytest.approx(np.linalg.norm(speed), rel=1e-10)
+
+
+def test_pinocchio_reads_the_same_torques_from_the_file():
+    pinocchio = pytest.importorskip("pinocchio", exc_type=ImportError)
+    model, arm = pinocchio.buildModelFromUrdf(str(HEAVY)), without_friction(heavy_arm(str(HEAVY)).mechanism)
+    model.gravity.linear = arm.gravity
+    data = model.createData()
+    for q, v, a in np.random.default_rng(5).normal(size=(9, 3, 3)):
+        wrapped = np.array([np.cos(q[0]), np.sin(q[0]), *q[1:]])  # of a joint without end
+        np.testing.assert_allclose(arm.torque(q, v, a)[0], pinocchio.rnea(model, data, wrapped, v, a), atol=1e-12)
 
 
 @pytest.mark.parametrize(
