@@ -19,7 +19,10 @@ from study.search.random_search import RandomSearch
 from study.testing import NonconformingError, check_bound, check_planner, check_search, example_problems, random_problem
 from study.testing.stress import problem_number
 
-SLOW = {"any-motion-bound", "bspline-nlp", "certified", "ruckig-via", "free-path-nlp", "quintic-nlp", "topp3-nlp"}
+SLOW = {
+    *("any-motion-bound", "bspline-nlp", "certified", "free-path-nlp"),
+    *("quintic-nlp", "ruckig-via", "straight", "topp3-nlp"),
+}
 """Planners and bounds too slow for the fast tests."""
 QUICK = RunSettings("poly353", seed=3, evaluations=60, population=10, formulation="scaled")
 
