@@ -38,6 +38,7 @@ def on_page_markdown(markdown: str, **kwargs: Any) -> str:
         "bench": _bench,
         "rooms": _rooms,
         "law": lambda: committed_law(suite_named("scaling")),
+        "second law": lambda: committed_law(suite_named("scaling-second")),
         "records": lambda: "\n\n".join(f"### {name}\n\n{records_table(suite_named(name))}" for name in filed_suites()),
         "card": lambda: _example()._repr_html_(),
         "plot": lambda: _example().plot("elbow")._repr_svg_(),

@@ -50,10 +50,10 @@ def growth(key: str, lines: Sequence[Growth], styles: Mapping[str, int], papers:
             )
             axes.fill_between(x, low, high, color=SERIES[style], alpha=0.1, linewidth=0)
             axes.plot(x, middle, marker=MARKERS[style], markersize=5, **_look(style))
-        for name, segments, gap, _ in papers:
-            at = float(np.clip(gap, LEAST, MOST))
+        for (segments, at), cases in _places(papers).items():
             axes.plot(segments, at, "*", color=INK, markersize=10, zorder=5)
-            axes.annotate(name, (segments, at), xytext=(7, -3), textcoords="offset points", color=INK, fontsize=10)
+            label = ", ".join(cases)
+            axes.annotate(label, (segments, at), xytext=(7, 4), textcoords="offset points", color=INK, fontsize=10)
         axes.set(xscale="log", yscale="log", xlabel="segments", ylabel="above the optimum of the same curve")
         axes.set_ylim(LEAST / 1.5, MOST * 1.2)
         sizes = sorted({point.segments for line in lines for point in line.points})
@@ -64,6 +64,14 @@ def growth(key: str, lines: Sequence[Growth], styles: Mapping[str, int], papers:
         return svg(
             figure, key, "Gap to the optimum by segments", f"Median gap against the number of segments for {names}."
         )
+
+
+def _places(papers: Marks) -> dict[tuple[int, float], list[str]]:
+    """Names of the papers' cases by their place in the figure; those too near 0 to be told apart share one."""
+    places: dict[tuple[int, float], list[str]] = {}
+    for name, segments, gap, _ in papers:
+        places.setdefault((segments, float(np.clip(gap, LEAST, MOST))), []).append(name)
+    return places
 
 
 def profiles(key: str, lines: Sequence[Profile], styles: Mapping[str, int], label: str, title: str) -> Markup:

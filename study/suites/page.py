@@ -146,17 +146,21 @@ def _law(field: Field, papers: figures.Marks) -> list[Section]:
     lines = [each for each in growths(field) if each.evaluations == budget]
     styles = method_slots(sorted({each.planner for each in lines})[: len(SERIES)])
     drawn = [each for each in lines if each.planner in styles]
-    marks = (
-        "Stars are the papers' five cases, each with its own paper's search at the same budget: " + listed([f"{name} ({planner})" for name, _, _, planner in papers]) + "."
-        if papers
-        else ""
-    )  # fmt: skip
+    stars = listed([f"{name} ({planner})" for name, _, _, planner in papers])
+    marks = [
+        *(
+            [f"Stars are the papers' five cases under their own limits, each with its own paper's search: {stars}."]
+            if stars
+            else []
+        ),
+        f"Gaps below {100 * figures.LEAST:g} % are drawn there.",
+    ]
     picture = figures.growth("growth", drawn, styles, papers)
     legend = [(style, name) for name, style in styles.items()]
     return [
         Section(
             "How far methods fall behind",
-            [text, *([marks] if marks else [])],
+            [text, *marks],
             [picture],
             [law_grid(field, budget)],
             legend,

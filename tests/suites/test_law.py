@@ -85,7 +85,5 @@ def test_a_suite_without_committed_searches_has_no_law():
 @pytest.mark.parametrize("name", ["scaling", "scaling-second"])
 def test_the_committed_law_holds(name):
     suite = suite_named(name)
-    if not runs_file(suite).is_file():
-        pytest.skip("no runs are committed")
     assert {run.problem for run in read_runs(runs_file(suite))} <= suite.cases.keys()
     assert "segments" in committed_law(suite)
