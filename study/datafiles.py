@@ -111,12 +111,17 @@ def _booleans(given: Any, taken: Any, field: str = "") -> Iterator[str]:
 
 
 def _sentence(error: ValidationError, model: type[BaseModel], where: str) -> str:
-    first, *others = error.errors(include_url=False)
+    mistakes = error.errors(include_url=False)
+    first, *others = sorted(
+        mistakes, key=lambda mistake: mistake["type"] != "extra_forbidden"
+    )  # what is misspelt is missing too
     field = ".".join(part for part in first["loc"] if isinstance(part, str) and part not in FORMS) or "the file"
     places = " of ".join(f"item {part + 1}" for part in reversed(first["loc"]) if isinstance(part, int))
     more = f" (and {len(others)} more)" if others else ""
     if first["type"] == "extra_forbidden":
-        near = get_close_matches(str(first["loc"][-1]), _keys(model), n=1, cutoff=0.5)
+        key, keys = str(first["loc"][-1]), _keys(model)
+        cut = [name for name in keys if len(key) > 2 and name.startswith(key)]
+        near = cut or get_close_matches(key, keys, n=1, cutoff=0.5)
         hint = f"did you mean {near[0]!r}?" if near else "remove it or correct its spelling"
         return f"{where}: unknown key {field!r}; {hint}{more}"
     if first["type"] == "missing":

@@ -82,6 +82,8 @@ class Case:
         Name of the case that this one varies; empty for a case of its own.
     warnings : tuple of str
         One sentence for everything in a file of one's own that is not used, or could be taken otherwise.
+    typed : tuple of str
+        Units that a file of one's own states, such as `deg` and `mm`; empty where they are `units`.
     """
 
     name: str
@@ -105,6 +107,7 @@ class Case:
     limits_label: str = "given"
     variant_of: str = ""
     warnings: tuple[str, ...] = ()
+    typed: tuple[str, ...] = ()
 
     @property
     def velocity_only(self) -> bool:

@@ -90,7 +90,7 @@ def own_case(content: Mapping[str, Any], path: Path) -> Case:
     warnings += [*notes, *kept.notes, *unlimited_joints(problem, read), *stepping_ends(file, problem)]
     problem = problem if file.speed is None else problem.at_speed(file.speed)
     sources = {"waypoints": str(file.waypoints) if rows else path.name, "limits": ", ".join(limit_files) or path.name}
-    return _case(file, path, robot, problem, tuple(SI[unit][0] for unit in units), sources, tuple(warnings))
+    return _case(file, path, robot, problem, tuple(units), sources, tuple(warnings))
 
 
 def _check_range(table: Floats, bounds: JointLimits, words: Words, where: str) -> None:
@@ -146,7 +146,8 @@ def _case(
         curve=curve,
         settings=replace(usual_settings(problem), curve=curve, evaluations=OWN_EVALUATIONS),
         robot=robot,
-        units=units,
+        units=tuple(SI[unit][0] for unit in units),
+        typed=units,
         notes=tuple(file.notes),
         sources=sources,
         obstacles=np.array([[box.lower, box.upper] for box in file.obstacles], dtype=float).reshape(-1, 2, 3),

@@ -16,6 +16,7 @@ from study.analysis.arm_uses import arm_uses
 from study.analysis.formatting import DASH
 from study.cases.library import Case
 from study.cases.obstacles import DRIVEN, Nearest, said_of
+from study.cases.paper_file import SI
 from study.cautions import ends_said
 from study.cli.screen import clean, fitted
 from study.judge import RATES, Verdict
@@ -127,8 +128,9 @@ def _waypoints_tables(console: Console, case: Case) -> Iterator[Table]:
     problem = case.problem
     first, last = _shown(problem.n_waypoints)
     indices = [*first, *last]
-    cells = [[f"{problem.waypoints[k, j]:.6g}" for k in indices] for j in range(problem.n_joints)]
-    heads = [clean(f"{name}\n({unit})") for name, unit in zip(problem.joint_names, case.units, strict=True)]
+    units, size = _typed(case)
+    cells = [[f"{problem.waypoints[k, j] / size[j]:.6g}" for k in indices] for j in range(problem.n_joints)]
+    heads = [clean(f"{name}\n({unit})") for name, unit in zip(problem.joint_names, units, strict=True)]
     widths = [3 + max(map(cell_len, [*column, *head.split("\n")])) for head, column in zip(heads, cells, strict=True)]
     start = 0
     while start < problem.n_joints:
@@ -150,6 +152,12 @@ def _waypoints_tables(console: Console, case: Case) -> Iterator[Table]:
         start = stop
 
 
+def _typed(case: Case) -> tuple[tuple[str, ...], Floats]:
+    """Units of the joints as the file has them, and how many rad or m each is, shape (n_joints,)."""
+    units = case.typed or case.units
+    return units, np.array([SI[unit][1] for unit in units])
+
+
 def _rate_text(low: float, high: float, unit: str) -> str:
     """Limits of a rate, in both directions where they differ."""
     if low == -high:
@@ -159,13 +167,14 @@ def _rate_text(low: float, high: float, unit: str) -> str:
 
 def _limits_table(console: Console, case: Case) -> Table:
     limits, problem = case.problem.limits, case.problem
-    both = zip(limits.lowest_rates, limits.highest_rates, strict=True)
+    units, size = _typed(case)
+    both = zip(limits.lowest_rates / size, limits.highest_rates / size, strict=True)
     columns = dict(zip(RATES, zip(("/s", "/s²", "/s³"), both, strict=True), strict=True))
     for name, ends in (("lowest position", limits.lower), ("highest position", limits.upper)):
         if np.isfinite(ends).any():
-            columns[name] = ("", (-ends, ends))
+            columns[name] = ("", (-ends / size, ends / size))
     rows: list[list[str | Text]] = [
-        [Text(joint), *(_rate_text(low[j], high[j], case.units[j] + unit) for unit, (low, high) in columns.values())]
+        [Text(joint), *(_rate_text(low[j], high[j], units[j] + unit) for unit, (low, high) in columns.values())]
         for j, joint in enumerate(problem.joint_names)
     ]
     return fitted(console, "Limits", ("joint", *columns), rows, left=("joint",))

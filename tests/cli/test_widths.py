@@ -84,3 +84,21 @@ def test_columns_give_way_one_by_one_and_are_named():
         assert "1234567.12345" in said
         note = " ".join(said.split()).partition("Not shown")[2]
         assert note == (f" in {width} columns: {', '.join(hidden)}." if hidden else "")
+
+
+def test_a_case_is_shown_in_the_units_that_were_typed(folder, tmp_path):
+    (tmp_path / "d.yaml").write_text(
+        "units: [deg, mm]\nwaypoints: [[0, 0], [90, 45]]\nlimits: {velocity: [1.5, 20], acceleration: 3}\n"
+    )
+    said = run_here("check", "d.yaml", cwd=tmp_path).stdout
+    for part in ("(deg)", "(mm)", "90", "45", "1.5 deg/s", "20 mm/s", "3 mm/s²"):
+        assert part in said, part
+
+
+@pytest.mark.parametrize(("wrong", "meant"), [("accel", "acceleration"), ("acceleraton", "acceleration")])
+def test_a_misspelt_key_is_named_with_what_was_meant(tmp_path, wrong, meant):
+    (tmp_path / "k.yaml").write_text(f"units: rad\nwaypoints: [[0], [1]]\nlimits: {{velocity: 1, {wrong}: 2}}\n")
+    ended = run_here("check", "k.yaml", cwd=tmp_path)
+    assert f"unknown key 'limits.{wrong}'; did you mean {meant!r}?" in ended.stderr
+    (tmp_path / "k.yaml").write_text("units: rad\nwaypoints: [[0], [1]]\nlimts: {velocity: 1}\n")
+    assert "unknown key 'limts'; did you mean 'limits'?" in run_here("check", "k.yaml", cwd=tmp_path).stderr
