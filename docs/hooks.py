@@ -129,7 +129,7 @@ def _ledger() -> str:
             consequence = f" {entry.consequence}" if entry.consequence else ""
             lines += [
                 f"**{_plain(entry.place)}** ({entry.kind}).",
-                f"Printed: {_plain(entry.printed)} {_plain(entry.problem)}",
+                f"Printed: {_plain(entry.printed).rstrip('.')}. {_plain(entry.problem)}",
                 f"Our reading: {_plain(entry.reading)}{_plain(consequence)}\n",
             ]
     return "\n".join(lines)
