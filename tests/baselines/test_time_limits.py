@@ -48,7 +48,7 @@ def test_planners_ask_the_clock_and_stop(name, monkeypatch):
 def test_a_preparation_longer_than_the_time_limit_is_declined(name):
     if name not in reference_planners():
         pytest.skip("a package is missing")
-    problem = Problem("long", np.cumsum(np.ones((400, 2)), axis=0), LIMITS)
+    problem = Problem("long", np.cumsum(np.ones((2000, 2)), axis=0), LIMITS)
     plan = planner_named(name).plan(problem, RunSettings("cubic-spline", time_limit=0.1))
     assert plan.status is Status.NOT_APPLICABLE
     assert "more than the time limit" in plan.message
