@@ -5,7 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import spearmanr
 
+from study.cases.records import known_times
 from study.cases.suites import suite_named
 from study.errors import StudyError
 from study.suites.law import committed_law, growths, largest_budget, law_grid, paragraph
@@ -87,3 +89,21 @@ def test_the_committed_law_holds(name):
     suite = suite_named(name)
     assert {run.problem for run in read_runs(runs_file(suite))} <= suite.cases.keys()
     assert "segments" in committed_law(suite)
+
+
+def test_the_law_holds_on_the_second_seed():
+    """At the last size the searches stand in nearly the same order, with nearly the same gaps."""
+    grown = [_last_gaps(name) for name in ("scaling", "scaling-second")]
+    for budget in (1000, 10_000):
+        last = [{name: gap for (evaluations, name), gap in each.items() if evaluations == budget} for each in grown]
+        assert last[0].keys() == last[1].keys()
+        pairs = np.array([[gaps[name] for name in sorted(gaps)] for gaps in last])
+        assert spearmanr(*pairs).statistic > 0.8
+        assert np.exp(np.abs(np.log(pairs[0] / pairs[1]))).max() < 2.0
+
+
+def _last_gaps(name):
+    suite = suite_named(name)
+    runs = read_runs(runs_file(suite))
+    field = Field(tuple(runs), best_in(runs, known_times(suite)))
+    return {(each.evaluations, each.planner): each.points[-1].gap.estimate for each in growths(field)}
