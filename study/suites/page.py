@@ -101,6 +101,8 @@ def answer(suite: Suite, field: Field, ranked: Sequence[Score]) -> list[str]:
     """Sentences at the head of the page."""
     problems = len({run.problem for run in field.runs})
     asked = f"{plural(problems, 'problem')} of {len(suite.cases)}, version {suite.version}, checksum {suite.checksum}."
+    if not ranked:
+        return [asked, "No planner was run, only bounds."]
     best = ranked[0]
     first = (
         f"{best.method} is nearest to the best known: {percent(best.gap_any)} on average, {best.feasible} of {best.runs} runs feasible, "

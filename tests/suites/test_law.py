@@ -79,6 +79,14 @@ def test_the_page_has_figure_scores_ranks_and_failures(field, tmp_path):
     assert (tmp_path / "suite" / "runs.parquet").is_file()
 
 
+def test_a_run_of_bounds_alone_has_a_page_too(tmp_path):
+    bound = replace(
+        BASE, problem="scaling:s3-j7-a", planner="any-motion-bound", kind="bound", feasible=False, bound=0.9
+    )
+    page = write_page(suite_named("scaling"), Field((bound,), best_in([bound])), {}, [], tmp_path / "suite", {"a": "b"})
+    assert "only bounds" in page.read_text()
+
+
 def test_a_suite_without_committed_searches_has_no_law():
     with pytest.raises(StudyError, match="no committed"):
         committed_law(suite_named("hard"))
