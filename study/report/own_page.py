@@ -13,6 +13,7 @@ from study.analysis.case_summary import CaseSummary
 from study.analysis.featured import is_metaheuristic
 from study.analysis.formatting import count, percent, plural, seconds, share, wall
 from study.analysis.methods import Kind, MethodSummary
+from study.cases.obstacles import DRIVEN
 from study.judge import RATES
 from study.report.case_page import CaseReport, contents_of
 from study.report.filling import filled
@@ -41,7 +42,7 @@ class OwnRow:
     binding : str
         Limit that the motion uses most.
     driving : str
-        What is known of collisions.
+        Whether it may be driven, and what is known of collisions.
     search : str
         How the metaheuristics did.
     """
@@ -55,8 +56,8 @@ class OwnRow:
 def own_row(report: CaseReport) -> OwnRow:
     """Say the essentials of a case of one's own."""
     summary, winner = report.summary, report.summary.winner
-    driving = "" if winner is None else summary.driving.get(winner.label, "")
-    return OwnRow(winner, _binding(summary, winner), driving if ":" in driving else "", _searches(summary, winner))
+    driving = "" if winner is None else summary.driving.get(winner.label, DRIVEN[True])
+    return OwnRow(winner, _binding(summary, winner), driving, _searches(summary, winner))
 
 
 def own_page(report: CaseReport, environment: Mapping[str, str], flags: Mapping[str, str]) -> str:

@@ -12,6 +12,7 @@ import pytest
 
 from study.analysis.case_summary import CaseSummary, summarise_case
 from study.cases.library import Case, load_case
+from study.cases.obstacles import UNFOLLOWED
 from study.cases.suites import suite_named
 from study.cli.shared import last_run
 from study.comparison.ablations import AblationFinding, matrix
@@ -116,6 +117,15 @@ def test_an_own_page_is_about_the_motion(wood: CaseSummary, tmp_path: Path) -> N
             .split("<main")[1]
             .split("<h2")[0]
         )
+
+
+def test_a_motion_that_no_arm_can_follow_is_called_so(wood: CaseSummary, tmp_path: Path) -> None:
+    mine = own(wood, "mine")
+    assert mine.winner is not None
+    mine.__dict__["driving"] = {mine.winner.label: UNFOLLOWED}
+    index = build_report([mine], tmp_path, {})
+    assert f'<strong class="bad">{UNFOLLOWED}</strong>' in (tmp_path / "mine.html").read_text(encoding="utf-8")
+    assert UNFOLLOWED in index.read_text(encoding="utf-8")
 
 
 def test_where_nothing_may_be_driven_the_page_says_so(wood: CaseSummary, tmp_path: Path) -> None:
