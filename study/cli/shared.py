@@ -150,9 +150,10 @@ def run_missing(
                 options = RunOptions(workers.fresh, workers.memory, watch.progress)
                 count = workers.count
                 run_jobs(missing, store, executor=executor, workers=count, options=options, on_outcome=finished)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt:  # it may come between storing and counting
+            kept = done if workers.fresh else len(jobs) - len(store.missing(jobs))
             raise Interrupted(
-                f"interrupted: {len(jobs) - len(missing) + done} of {len(jobs)} {word} are stored in {store.path}; "
+                f"interrupted: {kept} of {len(jobs)} {word} are stored in {store.path}; "
                 "run the same command again to go on, or `study report` to see them"
             ) from None
         progress.update(task, description="finished")
