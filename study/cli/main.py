@@ -104,7 +104,7 @@ def main() -> None:
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # a home that cannot be written to costs only time
     try:
         try:
-            status = app(standalone_mode=False)
+            status = app(standalone_mode=False, prog_name="study")
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()
