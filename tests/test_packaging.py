@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 import yaml
 
+from study.cases.suites import suite_named
 from study.reproduction.papers_table import papers_in_markdown
+from study.suites.law import law_in_markdown
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
@@ -153,3 +155,8 @@ def test_the_readme_counts_the_committed_verdicts_and_the_citation_names_this_ve
     assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == PROJECT["version"]
     for target in re.findall(r"\]\(((?!https?:)[^)#]+)", README):
         assert (ROOT / target).exists(), target
+
+
+def test_the_readme_tells_the_law_of_the_committed_runs():
+    law = law_in_markdown([suite_named("scaling"), suite_named("scaling-second")])
+    assert f"<!-- law -->\n{law}\n<!-- /law -->" in README

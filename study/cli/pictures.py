@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from study.analysis.case_summary import summarise
+from study.cases.suites import suite_named
 from study.cli.screen import make_console
 from study.cli.shared import DEFAULT_OUT, Out, last_run, recording_file
 from study.errors import StudyError
@@ -21,7 +22,8 @@ def pictures(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Also put the answer and the table of papers between the marks `<!-- answer -->` and `<!-- papers -->` of this file.",
+            help="Also put the answer, the table of papers and the law of growth between the marks `<!-- answer -->`, "
+            "`<!-- papers -->` and `<!-- law -->` of this file.",
         ),
     ] = None,
     out: Out = DEFAULT_OUT,
@@ -42,10 +44,12 @@ def pictures(
     )
     from study.report.readme import answer_in_markdown, put
     from study.reproduction.papers_table import papers_in_markdown
+    from study.suites.law import law_in_markdown
 
     if readme is not None:
         put(readme, answer_in_markdown(list(summaries.values())))
         put(readme, papers_in_markdown(), "papers")
+        put(readme, law_in_markdown([suite_named("scaling"), suite_named("scaling-second")]), "law")
     contents = pictures_of(summaries[case], joint - 1)
     recording = record_case(summaries[case], recording_file(out, case))
     contents["viewer.png"] = small(picture(recording, midway(summaries[case])))

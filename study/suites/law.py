@@ -162,10 +162,9 @@ def committed_law(suite: Suite) -> str:
     StudyError
         If no runs of searches on growing problems are committed.
     """
-    runs = read_runs(runs_file(suite))
-    field = Field(tuple(runs), best_in(runs, known_times(suite)))
+    field = _committed(suite)
     parts = []
-    for budget in sorted({run.evaluations for run in runs if run.evaluations}):
+    for budget in sorted({run.evaluations for run in field.runs if run.evaluations}):
         if text := paragraph(field, budget):
             table = law_grid(field, budget)
             rows = [table.head, ["---", *["---:"] * (len(table.head) - 1)], *table.rows]
@@ -173,6 +172,17 @@ def committed_law(suite: Suite) -> str:
     if not parts:
         raise StudyError(f"suite {suite.name!r} has no committed runs of searches on growing problems")
     return "\n\n".join(parts)
+
+
+def law_in_markdown(suites: Sequence[Suite]) -> str:
+    """Tell the law of several suites' committed runs at the largest budget, each in one point of a list."""
+    fields = [(suite.name, _committed(suite)) for suite in suites]
+    return "\n".join(f"- *{name}*: {paragraph(field, largest_budget(field))}" for name, field in fields)
+
+
+def _committed(suite: Suite) -> Field:
+    runs = read_runs(runs_file(suite))
+    return Field(tuple(runs), best_in(runs, known_times(suite)))
 
 
 def _at_budget(field: Field, evaluations: int) -> list[Growth]:
