@@ -12,7 +12,6 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from baselines.path_timing.path import Path, chord_lengths
-from baselines.path_timing.toppra import Toppra, retime
 from study.demands import PLAIN
 from study.errors import StudyError
 from study.judge import judge
@@ -24,7 +23,7 @@ POINTS, FINE, GRID = 8, 200, 30
 
 
 def along_itself(problem: Problem, motion: Motion) -> Trajectory | None:
-    """Drive the path of a motion within limits of the arm; None where that is not possible or not allowed.
+    """Drive the path of a motion within limits of the arm; None where that is not possible, or TOPP-RA not installed.
 
     Parameters
     ----------
@@ -32,6 +31,10 @@ def along_itself(problem: Problem, motion: Motion) -> Trajectory | None:
     motion : Motion
         Through the waypoints; how fast it is does not matter.
     """
+    try:
+        from baselines.path_timing.toppra import Toppra, retime  # here: few problems need the package
+    except ModuleNotFoundError:
+        return None
     jerky = bool(np.isfinite(problem.limits.jerk).any())
     if jerky or not problem.scalable or not problem.planner_demands <= Toppra.knows | PLAIN:
         return None
