@@ -130,12 +130,15 @@ def _pieces(
 
 ROUNDING = 64 * float(np.finfo(float).eps)
 
+CLOCK = 1e-9
+"""Resolution of times in messages, s: where acceleration bends, the samples may stand as far from the bend."""
+
 
 def _quintic(times: Floats, states: Floats) -> PPoly[np.float64]:
     """Quintic pieces through positions, velocities and accelerations, states of shape (n_samples, 3, n_joints).
 
     In microseconds the third difference of positions is rounding and nothing else. Where linear acceleration meets the next
-    sample to the last digits, the piece has linear acceleration.
+    sample to the last digits, or to what the clock's resolution leaves of a bend, the piece has linear acceleration.
     """
     from scipy.interpolate import BPoly, PPoly  # here: slow to import
 
@@ -144,7 +147,8 @@ def _quintic(times: Floats, states: Floats) -> PPoly[np.float64]:
     (q0, v0, a0), (q1, v1, a1) = np.moveaxis(states[:-1], 1, 0), np.moveaxis(states[1:], 1, 0)
     missed = np.abs(q0 + h * (v0 + h * (2 * a0 + a1) / 6) - q1), np.abs(v0 + h * (a0 + a1) / 2 - v1)
     position, velocity, _ = np.abs(states).max(axis=0)
-    near = (missed[0] <= ROUNDING * position) & (missed[1] <= ROUNDING * velocity)
+    bent = 2 * CLOCK * h * (np.abs(a1 - a0) / h).max(axis=0)
+    near = (missed[0] <= ROUNDING * position + h * bent) & (missed[1] <= ROUNDING * velocity + bent)
     linear = np.stack([np.zeros_like(q0), np.zeros_like(q0), (a1 - a0) / (6 * h), a0 / 2, v0, q0])
     pieces.c[:, near] = linear[:, near]
     return pieces

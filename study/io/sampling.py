@@ -18,7 +18,7 @@ MOST_SAMPLES = 10_000_000
 """More samples than this are taken for a mistake in the rate."""
 
 
-CLOSEST = 1e-3
+CLOSEST = 1e-4
 """Part of the usual distance of samples below which a sample at the rate gives way to a switching instant."""
 
 

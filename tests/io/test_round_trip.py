@@ -164,3 +164,17 @@ def test_points_that_no_arm_can_follow_are_refused_unless_accepted():
 def test_two_points_at_rest_and_names_with_separators_come_back(tmp_path, sampling, name):
     problem = Problem("any", np.array([[-1.9], [1.3]]), JointLimits([1.2], [1.3], [33.7]), joint_names=(name,))
     check_samples(tmp_path, problem, sampling, ".csv")
+
+
+@pytest.mark.parametrize("seed", [0, 6, 7, 15])
+def test_samples_at_bends_are_the_motion_again_within_a_thousandth(tmp_path, seed):
+    rng = np.random.default_rng(seed)
+    n_joints, n_waypoints = int(rng.integers(1, 8)), int(rng.integers(2, 14))
+    waypoints = np.cumsum(rng.uniform(-1, 1, (n_waypoints, n_joints)), axis=0)
+    limits = JointLimits(rng.uniform(1, 3, n_joints), rng.uniform(2, 8, n_joints), rng.uniform(20, 100, n_joints))
+    problem = Problem("bends", waypoints, limits)
+    planned = plan(problem, "free-path")
+    for form in SAMPLED:
+        planned.write(tmp_path / f"a{form}")
+        again = joined(read_samples(tmp_path / f"a{form}"), problem, "here").trajectory
+        assert judge(with_room(problem, 1e-3), again).feasible
