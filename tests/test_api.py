@@ -363,7 +363,7 @@ def test_compare_leaves_trajectory_and_results(small, study_command, tmp_path, t
     assert "planner  ruckig-stops" in ended.stdout
     message = yaml.safe_load((tmp_path / "out" / "trajectories" / "small.yaml").read_text())
     assert message["points"][-1]["velocities"] == pytest.approx([0, 0], abs=1e-9)
-    assert "2 cells, 2 of them stored already" in study_command(*arguments).stdout
+    assert "2 cells, 2 stored already" in study_command(*arguments).stdout
 
 
 def test_a_motion_of_microseconds_is_told_and_sampled_as_such(study_command, tmp_path, threads):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -35,8 +38,8 @@ def bench(
         return _write_torques(part, page, console)
     if part is not None:
         return _print_part(part, seed, console)
-    with console.status("measuring") as status:
-        bench = measure(quick, lambda part: status.update(f"measuring: {part}"))
+    with telling(console) as told:
+        bench = measure(quick, told)
     for topic, rows in wording.topics(bench.rows):
         left = [head for head in wording.HEAD if head not in ("ours", "times as fast")]
         console.print(fitted(console, topic, wording.HEAD, [*map(wording.cells, rows)], left=left, wraps=left))
@@ -51,20 +54,33 @@ def bench(
     console.print(f"page: {page}")
 
 
+@contextmanager
+def telling(console: Console) -> Iterator[Callable[[str], None]]:
+    """Give who is told what is about to be measured: a line that changes on a terminal, else lines on standard error."""
+    with console.status("measuring") as status:
+
+        def told(part: str) -> None:
+            status.update(f"measuring: {part}")
+            if not console.is_terminal:
+                print(f"measuring: {part}", file=sys.stderr, flush=True)
+
+        yield told
+
+
 def _write_torques(part: str | None, folder: Path, console: Console) -> None:
     if part != "torque":
         raise StudyError("only the part 'torque' has a page of its own; write --part torque --page FOLDER")
     from study.bench.torque import loaded, write_page  # here: matplotlib is slow to import
 
-    with console.status("measuring") as status:
-        rows = list(loaded(lambda problem: status.update(f"measuring: {problem}")))
+    with telling(console) as told:
+        rows = list(loaded(told))
     for path in write_page(rows, folder):
         console.print(f"written: {path}")
 
 
 def _print_part(name: str, seed: int, console: Console) -> None:
-    with console.status("measuring") as status:
-        part = measured(name, seed, lambda problem: status.update(f"measuring: {problem}"))
+    with telling(console) as told:
+        part = measured(name, seed, told)
     console.print(fitted(console, part.title, part.head, part.rows, left=part.head[:1], wraps=part.head[:1]))
     for sentence in part.sentences:
         console.print(sentence)

@@ -11,6 +11,7 @@ from rich.console import Console
 
 from study.api import automatic
 from study.cases.library import Case, load_case
+from study.cases.magnitudes import odd_magnitudes
 from study.cases.obstacles import Nearest, may_be_driven, nearest
 from study.cases.recorded import is_exact, limits_alone, motion_of, passing, with_room
 from study.cautions import cautions, ends_said
@@ -126,10 +127,10 @@ def _case(file: Path, units: str | None, limits: Sequence[Path], joints: str | N
 
 
 def warn(case: Case, console: Console) -> None:
-    """Print what must be known before a motion of the case is driven, and what of the files was not used."""
+    """Print what must be known before a motion of the case is driven, what of the files was not used, and what looks odd."""
     for caution in cautions(case.problem):
         console.print(f"warning: {caution}", style="bold red")
-    for sentence in case.warnings:
+    for sentence in (*case.warnings, *odd_magnitudes(case)):
         console.print(f"note: {sentence}")
 
 

@@ -140,7 +140,7 @@ def _build_pages(cases: Mapping[str, Case], path: Path, full: bool, seeds: int |
     with Store(path) as store:
 
         def run(part: str, wanted: Sequence[Job[Any]]) -> None:
-            run_missing(wanted, store, console, workers, word=f"jobs of the {part}")
+            run_missing(wanted, store, console, workers, word="job", of=f" of the {part}")
 
         findings = compare(cases, effort, store, run)
     with console.status("writing the pages"):

@@ -19,9 +19,9 @@ from study.cli.example import EXAMPLE
 from study.cli.inputs import Cycle, Duration, Joints, LimitFiles, Points, Rate, Speed, Wishes, load_any
 from study.cli.screen import complain, make_console
 from study.cli.shared import DEFAULT_OUT, INFEASIBLE, Out
-from study.errors import StudyError
+from study.errors import StudyError, listed
 from study.files import write_file
-from study.io.export import form_of, points_of, write_motion
+from study.io.export import MESSAGES, form_of, points_of, write_motion
 from study.io.filenames import file_stem
 from study.io.sampled import joined
 from study.io.sampling import Sampling
@@ -162,6 +162,9 @@ def save_motion(case: Case, motion: Motion, files: Sequence[Path], sampling: Sam
     through = joined(points_of(motion, case.problem, times), case.problem, "the samples")
     share = judge(case.problem, through.trajectory).worst_ratio
     said = {"files": "\n".join(map(str, files)), "samples": f"{len(times)} samples; {through.method}"}
+    unnamed = [name for j, name in enumerate(case.problem.joint_names) if name == f"joint {j + 1}"]
+    if unnamed and any(form_of(path) in MESSAGES for path in files):
+        said["names"] = f"{listed(unnamed)} in the files; a controller knows joints by its own names: give `joints`"
     if share > 1 + SAMPLED:
         said["caution"] = (
             f"joined by a controller they reach {share:.3g} of a limit; without --rate, --points or --cycle samples "

@@ -27,7 +27,7 @@ from study.cli.shared import (
     write_pages,
 )
 from study.datafiles import data_folder
-from study.errors import StudyError
+from study.errors import StudyError, plural
 from study.files import as_written, csv_text, read_file, write_file
 from study.reproduction.book import PAPERS, SHORT, Entry, entries_of, jobs_of, paper_named
 from study.reproduction.effort import FULL, QUICK, Effort
@@ -65,7 +65,7 @@ def reproduce(
     begun = time.perf_counter()
     wanted = sorted(dict.fromkeys(jobs_of(papers, effort)), key=lambda job: -job.weight)
     with Store(out / STORE_NAME) as store:
-        run_missing(wanted, store, console, workers, word="runs")
+        run_missing(wanted, store, console, workers, word="run")
         runs = Runs(store.outcomes(wanted))
     entries = {paper: entries_of(paper, runs, effort) for paper in papers}
     pages = out / "report" / "reproduction"
@@ -161,4 +161,4 @@ def reproduce_command(
         console.print(f"verdicts: {committed_path()}")
     elif not quick and committed_path().is_file():
         changed = changes(flat, read_committed(committed_path()))
-        console.print(f"{len(changed)} verdicts differ from the committed ones", *changed, sep="\n")
+        console.print(f"{plural(len(changed), 'verdict')} unlike the committed ones", *changed, sep="\n")

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import islice
 from typing import Any, Literal
 
 from rich.box import SIMPLE_HEAD
@@ -21,8 +22,10 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 from rich.segment import Segment
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
+
+from study.runs.job import Job
 
 UNSAFE = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
 """Control characters, marks that turn the direction of writing, and halves of characters."""
@@ -158,18 +161,26 @@ def _least_width(
 
 
 def progress_bar(console: Console) -> Progress:
-    """Build the live display of a run."""
+    """Build the live display of a run; what is named gives way to figures."""
+    named = Column(no_wrap=True, overflow="ellipsis", max_width=max(console.width - 42, 8))
     return Progress(
         SpinnerColumn(),
-        TextColumn("{task.description}", markup=False),
+        TextColumn("{task.description}", markup=False, table_column=named),
         BarColumn(),
-        MofNCompleteColumn(),
+        MofNCompleteColumn(table_column=Column(no_wrap=True)),
         TimeElapsedColumn(),
         TextColumn("left"),
         TimeRemainingColumn(),
         console=console,
         transient=False,
     )
+
+
+def running(waiting: Collection[Job[Any]], at_once: int) -> str:
+    """Name two of the jobs that run now and count the others: the first so many that wait, as they are taken in order."""
+    names = [f"{job.subject}: {job.label}" for job in islice(waiting, min(at_once, 2))]
+    more = min(at_once, len(waiting)) - len(names)
+    return ", ".join(names) + (f" and {more} more" if more > 0 else "")
 
 
 def complain(sentence: object) -> None:

@@ -17,8 +17,8 @@ from study.analysis.case_summary import CaseSummary, summarise
 from study.cases.library import Case, load_case
 from study.cases.suite_file import filed_suites
 from study.cli import run_tables
-from study.cli.screen import SafeConsole, progress_bar
-from study.errors import Interrupted, StudyError
+from study.cli.screen import SafeConsole, progress_bar, running
+from study.errors import Interrupted, StudyError, plural
 from study.io.filenames import file_stem
 from study.runs.dask import dask_executor
 from study.runs.environment import environment
@@ -113,7 +113,8 @@ def run_missing(
     console: Console,
     workers: Workers,
     watch: Watch | None = None,
-    word: str = "cells",
+    word: str = "cell",
+    of: str = "",
 ) -> None:
     """Run the jobs that are not stored yet, with a bar.
 
@@ -124,8 +125,8 @@ def run_missing(
     console : Console
     workers : Workers
     watch : Watch, optional
-    word : str
-        Name of the jobs for people.
+    word, of : str
+        Name of a job for people, and what follows it.
 
     Raises
     ------
@@ -134,15 +135,18 @@ def run_missing(
     """
     watch = watch or Watch()
     missing = list(jobs) if workers.fresh else store.missing(jobs)
-    console.print(f"{len(jobs)} {word}, {len(jobs) - len(missing)} of them stored already")
-    done = 0
+    counted = f"{plural(len(jobs), word)}{of}"
+    console.print(f"{counted}, {len(jobs) - len(missing)} stored already")
+    done, waiting = 0, {id(job): job for job in missing}
+    at_once = workers.count or default_jobs()
     with progress_bar(console) as progress:
-        task = progress.add_task("running", total=len(missing))
+        task = progress.add_task(running(waiting.values(), at_once), total=len(missing))
 
         def finished(job: Job[Any], outcome: Any) -> None:
             nonlocal done
             done += 1
-            progress.update(task, advance=1, description=f"{job.subject}: {job.label}")
+            waiting.pop(id(job), None)
+            progress.update(task, advance=1, description=running(waiting.values(), at_once))
             watch.finished(job, outcome)
 
         try:
@@ -153,7 +157,7 @@ def run_missing(
         except KeyboardInterrupt:  # it may come between storing and counting
             kept = done if workers.fresh else len(jobs) - len(store.missing(jobs))
             raise Interrupted(
-                f"interrupted: {kept} of {len(jobs)} {word} are stored in {store.path}; "
+                f"interrupted: {kept} of {counted} {'is' if len(jobs) == 1 else 'are'} stored in {store.path}; "
                 "run the same command again to go on, or `study report` to see them"
             ) from None
         progress.update(task, description="finished")

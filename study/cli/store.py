@@ -25,16 +25,16 @@ def verify(out: Out = DEFAULT_OUT) -> None:
     count, damaged = storekeeping.verify(out / STORE_NAME)
     if damaged:
         raise StudyError(
-            f"{len(damaged)} of {count} results in {out / STORE_NAME} are damaged, the first is {damaged[0]}; "
+            f"damaged in {out / STORE_NAME}: {len(damaged)} of {plural(count, 'result')}, the first is {damaged[0]}; "
             "run the study again with --fresh, or restore the file"
         )
-    print(f"{count} results, all as they were stored")
+    print(f"{plural(count, 'result')}, all as they were stored")
 
 
 @store_app.command()
 def export(target: Target, out: Out = DEFAULT_OUT) -> None:
     """Write one line per result, motions left out."""
-    print(f"{storekeeping.export_columns(out / STORE_NAME, target)} results written to {target}")
+    print(f"{plural(storekeeping.export_columns(out / STORE_NAME, target), 'result')} written to {target}")
 
 
 @store_app.command()
@@ -43,7 +43,9 @@ def merge(others: Others, out: Out = DEFAULT_OUT) -> None:
     for other in others:
         file = other / STORE_NAME if other.is_dir() else other
         merged = storekeeping.merge(out / STORE_NAME, file)
-        print(f"{file}: {merged.added} results added, {merged.known} known, {merged.contrary} contrary and left out")
+        print(
+            f"{file}: {plural(merged.added, 'result')} added, {merged.known} known, {merged.contrary} contrary and left out"
+        )
 
 
 @store_app.command()

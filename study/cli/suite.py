@@ -10,6 +10,7 @@ import typer
 from study.cases.suite_file import suites_folder
 from study.cases.suites import suite_named
 from study.cli.shared import DEFAULT_OUT, INFEASIBLE, Out
+from study.errors import plural
 from study.files import write_file
 
 suite_app = typer.Typer(
@@ -37,7 +38,7 @@ def make(
 
     drawn = making.make(name, seed)
     path = write_file(out or suites_folder() / f"{name}.json", making.text_of(drawn))
-    print(f"{len(drawn.problems)} problems, checksum {drawn.checksum}, written to {path}")
+    print(f"{plural(len(drawn.problems), 'problem')}, checksum {drawn.checksum}, written to {path}")
 
 
 @suite_app.command()

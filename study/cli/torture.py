@@ -13,7 +13,7 @@ from rich.table import Table
 from study.api import TIERS
 from study.cli.screen import make_console, progress_bar
 from study.cli.shared import Jobs, names_in
-from study.errors import Interrupted, StudyError
+from study.errors import Interrupted, StudyError, plural
 from study.registry import planner_named
 from study.runs.runner import default_jobs
 from study.testing.attacks import ATTACKS
@@ -71,7 +71,7 @@ def torture(
         "a hang is a planner still at work 10 s after twice its time limit"
     )
     if done < problems:
-        raise Interrupted(f"interrupted after {done} of {problems} problems; the table counts what was done")
+        raise Interrupted(f"interrupted after {done} of {plural(problems, 'problem')}; the table counts what was done")
     if any(count[kind] for count in counts.values() for kind in MUST_NOT):
         raise typer.Exit(3)
 
@@ -82,7 +82,11 @@ def _compare(motions: int, seed: int, jobs: int) -> None:
     with progress_bar(console) as progress:
         task = progress.add_task("judging twice", total=motions)
         agreement = compare_judges(motions, seed, jobs, lambda done: progress.advance(task, done))
-    table = Table(title=f"{motions:,} motions, seed {seed}, judged twice", title_justify="left", header_style="bold")
+    table = Table(
+        title=f"{motions:,} {'motion' if motions == 1 else 'motions'}, seed {seed}, judged twice",
+        title_justify="left",
+        header_style="bold",
+    )
     table.add_column("attack")
     for outcome in AGREEMENTS:
         table.add_column(outcome, justify="right")

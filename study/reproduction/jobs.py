@@ -46,8 +46,8 @@ class RecordJob:
 
     @property
     def method(self) -> str:
-        """Search or planner."""
-        return type(getattr(self, "search", self)).__name__
+        """Search or planner; without one, the kind of run."""
+        return type(self.search).__name__ if hasattr(self, "search") else self.kind
 
     @property
     def label(self) -> str:

@@ -91,11 +91,18 @@ def test_run_goes_on_where_it_stopped_and_report_shows_the_same(study_command, s
     arguments = ["--cases", case_file, "--planners", "stub-seeded,stub-raise:scaled", "--out", tmp_path / "o"]
     first = study_command("run", *arguments, "--seeds", 2, "--jobs", 1, "--no-report")
     assert first.returncode == 0, first.stderr
-    assert "4 cells, 0 of them stored already" in first.stdout
+    assert "4 cells, 0 stored already" in first.stdout
     assert "IndexError: list index out of range" in first.stdout
     second = study_command("run", *arguments, "--seeds", 3, "--jobs", 2, "--no-report")
-    assert "6 cells, 4 of them stored already" in second.stdout
+    assert "6 cells, 4 stored already" in second.stdout
     assert "3 of 3" in second.stdout
+
+
+def test_one_cell_is_no_cells(stubs, study_command, case_file, tmp_path):
+    ended = study_command(
+        "run", "--cases", case_file, "--planners", "stub-steady", "--seeds", 1, "--out", tmp_path, "--no-report"
+    )
+    assert ended.stdout.startswith("1 cell, 0 stored already")
 
 
 def test_ctrl_c_keeps_what_is_finished_and_says_how_to_go_on(stubs, case_file, tmp_path):

@@ -48,6 +48,6 @@ def test_the_file_of_results_is_looked_after_from_the_command_line(study, out, t
 def test_fresh_runs_what_is_stored_again(study, out, case_file):
     arguments = ["--cases", case_file, "--planners", "stub-seeded", "--seeds", 2, "--out", out, "--no-report"]
     before = study("digest", "--out", out)
-    assert "2 cells, 2 of them stored already" in study("run", *arguments)
-    assert "2 cells, 0 of them stored already" in study("run", *arguments, "--fresh", "--memory", 2000)
+    assert "2 cells, 2 stored already" in study("run", *arguments)
+    assert "2 cells, 0 stored already" in study("run", *arguments, "--fresh", "--memory", 2000)
     assert study("digest", "--out", out) == before

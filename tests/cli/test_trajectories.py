@@ -120,3 +120,35 @@ def test_limits_complete_a_case_without_them_and_joints_pick_columns(study_comma
     ended = study_command("check", "all.csv", "--limits", "l.yaml", "--units", "rad", "--joints", "b,a", cwd=folder)
     assert ended.returncode == 0, ended.stderr
     assert "not used: column 'grip'" in ended.stdout
+
+
+@pytest.mark.parametrize(
+    ("units", "far", "velocity", "asked"),
+    [
+        ("rad", 90, 120, ["waypoints of a reach 90 rad; are they meant in deg?", "reach 120 rad/s"]),
+        ("deg", 90, 1.5, ["velocity limits of a and b reach 1.5 deg/s; are they meant in rad/s?"]),
+        ("[m, mm]", 90, 60, ["waypoints of a reach 90 m; are they meant in mm?", "limits of a reach 60 m/s"]),
+        ("deg", 90, 120, []),
+        ("rad", 3, 2, []),
+    ],
+)
+def test_odd_magnitudes_are_asked_about_and_never_refused(study_command, folder, units, far, velocity, asked):
+    text = f"units: {units}\njoints: [a, b]\nwaypoints: [[0, 0], [{far}, 1]]\nlimits: {{velocity: {velocity}, acceleration: 900}}\n"
+    (folder / "odd.yaml").write_text(text)
+    ended = study_command("check", "odd.yaml", cwd=folder)
+    assert ended.returncode == 0
+    assert ended.stdout.count("are they meant in") == len(asked)
+    assert all(sentence in ended.stdout for sentence in asked)
+
+
+def test_joints_without_names_are_said_to_be_unknown_to_a_controller(study_command, folder):
+    text = (folder / "smooth.yaml").read_text()
+    (folder / "unnamed.yaml").write_text(text.replace("joints: [a, b]\n", ""))
+    assert "joint 1 and joint 2 in the files" in planned(study_command, folder, "unnamed", "m.yaml")
+    assert "in the files" not in planned(study_command, folder, "unnamed", "m.csv")
+    assert "in the files" not in planned(study_command, folder, "smooth", "m.yaml")
+
+
+def test_a_cycle_gives_equal_steps_to_the_end(study_command, folder):
+    planned(study_command, folder, "smooth", "m.csv", "--cycle", 0.01)
+    np.testing.assert_allclose(np.diff(read_samples(folder / "m.csv").times), 0.01, rtol=1e-9)

@@ -1,12 +1,15 @@
 """Output at every width of a terminal: the answer first, no line too long, no number cut."""
 
+import io
 import re
+from types import SimpleNamespace
 
 import pytest
 from rich.cells import cell_len
 
 from study.cli import reproduce
-from study.cli.screen import SafeConsole, fitted
+from study.cli.bench import telling
+from study.cli.screen import SafeConsole, fitted, progress_bar, running
 from study.reproduction.effort import Effort
 from tests.conftest import run_here
 
@@ -102,3 +105,28 @@ def test_a_misspelt_key_is_named_with_what_was_meant(tmp_path, wrong, meant):
     assert f"unknown key 'limits.{wrong}'; did you mean {meant!r}?" in ended.stderr
     (tmp_path / "k.yaml").write_text("units: rad\nwaypoints: [[0], [1]]\nlimts: {velocity: 1}\n")
     assert "unknown key 'limts'; did you mean 'limits'?" in run_here("check", "k.yaml", cwd=tmp_path).stderr
+
+
+def test_progress_names_two_of_those_that_run_and_counts_the_others():
+    jobs = [SimpleNamespace(subject="case", label=name) for name in ("a", "b", "c", "d")]
+    assert running(jobs, 1) == "case: a"
+    assert running(jobs, 2) == "case: a, case: b"
+    assert running(jobs, 3) == "case: a, case: b and 1 more"
+    assert running(jobs[2:], 8) == "case: c, case: d"
+    assert running([], 8) == ""
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_long_names_leave_room_for_the_figures_of_the_progress(width):
+    console = SafeConsole(width=width, file=io.StringIO(), force_terminal=True, color_system=None)
+    bar = progress_bar(console)
+    bar.add_task("case: " + 30 * "name ", total=1800)
+    console.print(bar.get_renderable())
+    assert re.search(r" 0/1800 0:00:00 left -:--:--\s*$", console.file.getvalue())
+
+
+def test_measuring_is_told_on_standard_error_where_the_output_is_no_terminal(capsys):
+    for terminal in (False, True):
+        with telling(SafeConsole(file=io.StringIO(), force_terminal=terminal)) as told:
+            told("kernels")
+    assert capsys.readouterr() == ("", "measuring: kernels\n")
