@@ -27,7 +27,7 @@ PACKAGE = Path(__file__).resolve().parent
 class Strict(BaseModel):
     """A model that knows every key it accepts and takes only finite numbers."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 FORMS = (

@@ -17,7 +17,6 @@ from dataclasses import replace
 import numpy as np
 
 from baselines.base import segment_rates
-from baselines.free_path.along_itself import along_itself
 from study.arm import ArmLimits
 from study.arm_findings import enclosed
 from study.deadline import Deadline
@@ -86,6 +85,8 @@ def within_arm(problem: Problem, solve: Solve, deadline: Deadline, rounds: int =
         if (shares == 1).all():
             break
     if len(bases) > 1 and not deadline.passed():
+        from baselines.free_path.along_itself import along_itself  # here: slow to import
+
         anew = [along_itself(problem, motion) for motion in (bases[0], best.motion or bases[-1])]
         again = [replace(best, status=Status.FINISHED, message=ANEW, motion=motion) for motion in anew if motion]
         best = min(best, *again, key=_duration) if again else best

@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 
 from baselines.free_path.model import Model
 from baselines.free_path.question import Flags, Integers
+from baselines.lapack import factor_banded, solve_factored
 from study.problem import Floats
 
 GIVE_UP = 1e12
@@ -93,10 +93,7 @@ class SharedSystem:
         own = layout.nodes >= 0
         band[0, layout.nodes[own]] += stiffness[own]
         band[0] += max(regularisation, 1e-11)
-        try:
-            self.factor = cholesky_banded(band, overwrite_ab=True, lower=True, check_finite=False)
-        except LinAlgError:
-            self.factor = np.empty((0, 0))
+        self.factor = factor_banded(band)
 
     @property
     def solvable(self) -> bool:
@@ -121,7 +118,7 @@ class SharedSystem:
         shared : array of shape (n_segments, n_moving, 7)
         """
         total = gathered(self.layout, right, nodes, durations)
-        answer: Floats = np.append(cho_solve_banded((self.factor, True), total, check_finite=False), 0.0)
+        answer: Floats = np.append(solve_factored(self.factor, total), 0.0)
         layout = self.layout
         return answer[layout.nodes], answer[layout.durations], answer[layout.blocks]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import solve_banded
 
 from baselines.free_path.model import Model
 from baselines.free_path.pieces import Point
 from baselines.free_path.question import FreePathProblem, Integers
+from baselines.lapack import solve_tridiagonal
 from study.problem import Floats
 
 
@@ -101,9 +101,7 @@ def _slopes(durations: Floats, points: Floats, velocity: Floats) -> Floats:
     right = 3 * (after * mean[:-1] + before * mean[1:])
     right[0] -= after[0] * velocity[0]
     right[-1] -= before[-1] * velocity[-1]
-    band = np.zeros((3, len(right)))
-    band[0, 1:], band[1], band[2, :-1] = before[:-1, 0], 2 * (before + after)[:, 0], after[1:, 0]
-    inner = solve_banded((1, 1), band, right, check_finite=False)
+    inner = solve_tridiagonal(after[1:, 0], 2 * (before + after)[:, 0], before[:-1, 0], right)
     return np.concatenate([velocity[:1], inner, velocity[-1:]])
 
 

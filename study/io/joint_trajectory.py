@@ -51,7 +51,8 @@ def message_yaml(samples: Samples) -> str:
 def _yaml(value: Any) -> str:
     """Flow style; YAML 1.1 takes a float without a point, such as 1e-05, for text, so it is given one."""
     if isinstance(value, list):
-        return f"[{', '.join(_yaml(item) for item in value)}]"
+        whole = str(value)
+        return whole if "e" not in whole else f"[{', '.join(_yaml(item) for item in value)}]"
     if isinstance(value, dict):
         return f"{{{', '.join(f'{key}: {_yaml(item)}' for key, item in value.items())}}}"
     text = repr(value)

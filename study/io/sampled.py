@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from study import polynomial
 from study.errors import StudyError
 from study.io.passages import passages
 from study.io.samples import Samples
@@ -17,9 +17,6 @@ from study.io.waypoints import ROUNDED
 from study.problem import EndCondition, Floats, Problem
 from study.tolerances import TOLERANCE
 from study.trajectory import Trajectory
-
-if TYPE_CHECKING:
-    from scipy.interpolate import PPoly
 
 
 class Interpolation(StrEnum):
@@ -81,10 +78,9 @@ def joined(samples: Samples, problem: Problem, where: str, interpolation: Interp
         raise StudyError(f"{where} has no {lacking}, which {chosen} interpolation needs")
     try:
         with np.errstate(all="ignore"):
-            pieces, said = _pieces(times, [samples.positions, *rates[: NEEDS[chosen]]], chosen, problem.end)
+            coefficients, said = _pieces(times, [samples.positions, *rates[: NEEDS[chosen]]], chosen, problem.end)
     except ValueError as error:
         raise StudyError(f"{where}: these samples cannot be joined in finite numbers: {error}") from None
-    coefficients = np.moveaxis(pieces.c[::-1], 0, 1)
     if not np.isfinite(coefficients).all():
         raise StudyError(
             f"{where}: these samples cannot be joined in finite numbers; look for steps in positions or times"
@@ -110,22 +106,26 @@ def _times(samples: Samples, where: str) -> Floats:
     return times
 
 
-def _pieces(
-    times: Floats, orders: Sequence[Floats], chosen: Interpolation, end: EndCondition
-) -> tuple[PPoly[np.float64], str]:
-    from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly  # here: slow to import
-
+def _pieces(times: Floats, orders: Sequence[Floats], chosen: Interpolation, end: EndCondition) -> tuple[Floats, str]:
+    """Ascending coefficients, shape (n_samples - 1, degree + 1, n_joints), and the sentence."""
     said = SENTENCES[chosen]
     if chosen is Interpolation.LINEAR:
         slopes = np.diff(orders[0], axis=0) / np.diff(times)[:, None]
-        return PPoly(np.stack([slopes, orders[0][:-1]]), times), said
+        return np.stack([orders[0][:-1], slopes], axis=1), said
     if chosen is Interpolation.QUINTIC:
         return _quintic(times, np.stack(orders, axis=1)), said
+    from scipy.interpolate import CubicHermiteSpline, CubicSpline  # here: slow to import
+
     if chosen is Interpolation.CUBIC:
-        return CubicHermiteSpline(times, orders[0], orders[1]), said
-    if end is EndCondition.FREE:
-        return CubicSpline(times, orders[0], bc_type="not-a-knot"), f"{said}, its ends as the samples suggest"
-    return CubicSpline(times, orders[0], bc_type="clamped"), f"{said}, taken to be at rest at both ends"
+        spline = CubicHermiteSpline(times, orders[0], orders[1])
+    elif end is EndCondition.FREE:
+        spline, said = CubicSpline(times, orders[0]), f"{said}, its ends as the samples suggest"
+    else:
+        spline, said = (
+            CubicSpline(times, orders[0], bc_type="clamped"),
+            f"{said}, taken to be at rest at both ends",
+        )
+    return np.moveaxis(spline.c[::-1], 0, 1), said
 
 
 ROUNDING = 64 * float(np.finfo(float).eps)
@@ -134,24 +134,22 @@ CLOCK = 1e-9
 """Resolution of times in messages, s: where acceleration bends, the samples may stand as far from the bend."""
 
 
-def _quintic(times: Floats, states: Floats) -> PPoly[np.float64]:
+def _quintic(times: Floats, states: Floats) -> Floats:
     """Quintic pieces through positions, velocities and accelerations, states of shape (n_samples, 3, n_joints).
 
     In microseconds the third difference of positions is rounding and nothing else. Where linear acceleration meets the next
     sample to the last digits, or to what the clock's resolution leaves of a bend, the piece has linear acceleration.
     """
-    from scipy.interpolate import BPoly, PPoly  # here: slow to import
-
-    pieces = PPoly.from_bernstein_basis(BPoly.from_derivatives(times, states))
     h = np.diff(times)[:, None]
     (q0, v0, a0), (q1, v1, a1) = np.moveaxis(states[:-1], 1, 0), np.moveaxis(states[1:], 1, 0)
+    unit = polynomial.hermite_quintic(q1 - q0, h * v0, h * v1, h**2 * a0, h**2 * a1)
+    pieces = np.stack([q0, v0, a0 / 2, *(c / h**k for k, c in enumerate(unit[2:], 3))], axis=1)
     missed = np.abs(q0 + h * (v0 + h * (2 * a0 + a1) / 6) - q1), np.abs(v0 + h * (a0 + a1) / 2 - v1)
     position, velocity, _ = np.abs(states).max(axis=0)
     bent = 2 * CLOCK * h * (np.abs(a1 - a0) / h).max(axis=0)
     near = (missed[0] <= ROUNDING * position + h * bent) & (missed[1] <= ROUNDING * velocity + bent)
-    linear = np.stack([np.zeros_like(q0), np.zeros_like(q0), (a1 - a0) / (6 * h), a0 / 2, v0, q0])
-    pieces.c[:, near] = linear[:, near]
-    return pieces
+    linear = np.stack([q0, v0, a0 / 2, (a1 - a0) / (6 * h), np.zeros_like(q0), np.zeros_like(q0)], axis=1)
+    return np.where(near[:, None], linear, pieces)
 
 
 def breaches(samples: Samples, problem: Problem, room: float, where: str) -> list[str]:
