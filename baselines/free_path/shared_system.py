@@ -93,7 +93,7 @@ class SharedSystem:
         own = layout.nodes >= 0
         band[0, layout.nodes[own]] += stiffness[own]
         band[0] += max(regularisation, 1e-11)
-        self.factor = factor_banded(band)
+        self.factor = factor_banded(np.asarray(band, dtype=np.float64))
 
     @property
     def solvable(self) -> bool:
