@@ -246,6 +246,6 @@ def matters(findings: Sequence[AblationFinding]) -> str:
     every = list(dict.fromkeys((finding.paper, finding.improvement) for finding in single))
     arms = helping(True)
     return (
-        f"Of {len(every)} improvements, {len(arms)} help by themselves on at least one trajectory problem"
-        f"{': ' + listed(arms) if arms else ''}; {len(helping(False))} help on at least one function."
+        f"Improvements that help by themselves on at least one trajectory problem: {len(arms)} of {len(every)}"
+        f"{f' ({listed(arms)})' if arms else ''}; on at least one function: {len(helping(False))}."
     )

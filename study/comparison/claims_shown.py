@@ -116,10 +116,10 @@ def claimed_together(claims: Sequence[Counterpart]) -> str:
 
     ends = sorted(claim.above_optimum for claim in claims)
     return (
-        f"Of {len(claims)} papers' searches, each run its paper's own way, "
+        f"Searches run their papers' own way: of {len(claims)}, "
         f"{shorter([claim.against_baseline for claim in claims])} end significantly shorter than the plain search at the same "
         f"budget, {shorter([claim.against_random for claim in claims])} than random search; against the optimum on the paper's "
-        f"curve they end at {percent(ends[0])} to {percent(ends[-1])}."
+        f"curve they end at {' to '.join(dict.fromkeys(map(percent, (ends[0], ends[-1]))))}."
     )
 
 

@@ -1,11 +1,13 @@
 import importlib
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from study.comparison import statistics
 from study.comparison.claims import against
+from study.comparison.claims_shown import claimed_together
 from study.comparison.contestants import Contestant, Level, Reference
 from study.comparison.ranking import levelled, omnibus, pairings
 from study.errors import StudyError
@@ -216,3 +218,15 @@ def test_a_claim_against_its_opponent_by_hand():
     assert found.a12 == pytest.approx(2 / 3)
     assert 0.5 < found.p <= 1.0
     assert against(np.array([1.0, np.inf]), np.array([2.0, 2.0])).difference is None
+
+
+def test_one_search_is_summed_up_as_one():
+    against = SimpleNamespace(difference=None, p=1.0)
+    claims = [
+        SimpleNamespace(above_optimum=share, against_baseline=against, against_random=against) for share in (0.1, 0.2)
+    ]
+    assert claimed_together(claims[:1]).startswith(
+        "Searches run their papers' own way: of 1, 0 end significantly shorter"
+    )
+    assert claimed_together(claims[:1]).endswith("they end at +10.0 %.")
+    assert claimed_together(claims).endswith("they end at +10.0 % to +20.0 %.")

@@ -61,6 +61,10 @@ def reproduced():
     return {paper: (entries_of(paper, runs, TINY), runs) for paper in KEYS}
 
 
+def test_no_job_is_shown_by_the_name_of_its_class():
+    assert not [job.label for job in jobs_of(KEYS, TINY) if job.label == type(job).__name__]
+
+
 class Page(HTMLParser):
     """Row heads, column heads and cells of every table that follows a heading `Table n`."""
 
