@@ -16,6 +16,7 @@ GARBAGE = 100_000
 def main() -> None:
     """Run the command."""
     gc.set_threshold(GARBAGE)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in workers: for small matrices more threads only spin
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")  # no need to look through every package for some
     if sys.argv[1:] == ["--version"]:  # before typer, which is slow to take an option
         print(version("time-optimal-study"))
