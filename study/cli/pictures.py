@@ -10,7 +10,7 @@ import typer
 from study.analysis.case_summary import summarise
 from study.cases.suites import suite_named
 from study.cli.screen import make_console
-from study.cli.shared import DEFAULT_OUT, Out, last_run, recording_file
+from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, last_run, recording_file
 from study.errors import StudyError
 
 
@@ -23,7 +23,7 @@ def pictures(
         typer.Option(
             metavar="FILE",
             help="Also put the answer, the table of papers and the law of growth between the marks `<!-- answer -->`, "
-            "`<!-- papers -->` and `<!-- law -->` of this file.",
+            "`<!-- papers -->` and `<!-- law -->` of this file, and what the audit of `study compare` found between `<!-- audit -->`.",
         ),
     ] = None,
     out: Out = DEFAULT_OUT,
@@ -35,6 +35,7 @@ def pictures(
     if joint > cases[case].problem.n_joints:
         raise StudyError(f"case {case!r} has {cases[case].problem.n_joints} joints, got joint {joint}")
     summaries = {each.case.name: each for each in summarise(cases, results)}
+    from study.comparison.build import said
     from study.recording import moving_picture, picture, record_case
     from study.report.pictures import (  # here: matplotlib and rerun are slow to import
         midway,
@@ -50,6 +51,8 @@ def pictures(
         put(readme, answer_in_markdown(list(summaries.values())))
         put(readme, papers_in_markdown(), "papers")
         put(readme, law_in_markdown([suite_named("scaling"), suite_named("scaling-second")]), "law")
+        if sentences := said(out / STORE_NAME):
+            put(readme, "\n".join(f"- {sentence}" for sentence in sentences), "audit")
     contents = pictures_of(summaries[case], joint - 1)
     recording = record_case(summaries[case], recording_file(out, case))
     contents["viewer.png"] = small(picture(recording, midway(summaries[case])))

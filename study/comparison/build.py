@@ -9,8 +9,8 @@ from typing import Any
 
 from study.cases.library import Case
 from study.comparison import ablations, audit, claims, outcomes, ranking, statistics, targets
-from study.comparison.audit_functions import function_jobs
-from study.comparison.audit_trajectories import trajectory_jobs
+from study.comparison.audit_functions import function_jobs, functions_audited
+from study.comparison.audit_trajectories import trajectories_audited, trajectory_jobs
 from study.comparison.contestants import (
     LEVELS,
     Contestant,
@@ -27,7 +27,7 @@ from study.runs.execute import cell_jobs, stored_results
 from study.runs.job import Job
 from study.store.store import Store
 
-FLAGS = "flags"
+FLAGS, SAID = "flags", "audit"
 Run = Callable[[str, Sequence[Job[Any]]], None]
 """Runs the jobs of a part that are not stored yet."""
 
@@ -107,6 +107,7 @@ def compare(cases: Mapping[str, Case], effort: Effort, store: Store, run: Run) -
     tried = {name: _tried(name, part, store, run) for name, part in trial_jobs(chosen, effort).items()}
     audited = audit.audit_of(tried["functions"], tried["trajectories"])
     store.note(FLAGS, audited.flags)
+    store.note(SAID, [functions_audited(audited.functions), trajectories_audited(audited.trajectories)])
     known, levels = references(chosen, runs), {level: contestants(runs, group, level) for level, group in cells.items()}
     tests = [ranking.omnibus(group, known, level) for level, group in levels.items()]
     return Comparison(
@@ -148,10 +149,19 @@ def flags(store_path: Path) -> dict[str, str]:
     StudyError
         If the file is damaged or not a results file.
     """
+    return dict(_noted(store_path, FLAGS) or {})
+
+
+def said(store_path: Path) -> list[str]:
+    """Sentences of the last audit; none where none was made. For errors see `flags`."""
+    return list(_noted(store_path, SAID) or [])
+
+
+def _noted(store_path: Path, name: str) -> Any:
     if not store_path.exists():
-        return {}
+        return None
     with Store(store_path, write=False) as store:
-        return dict(store.noted(FLAGS) or {})
+        return store.noted(name)
 
 
 def _tried(name: str, jobs: Sequence[TrialJob], store: Store, run: Run) -> outcomes.Outcomes:

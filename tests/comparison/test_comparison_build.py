@@ -7,7 +7,7 @@ import pytest
 
 from study.cases.library import case_names, load_case
 from study.cases.published import claims
-from study.comparison.build import compare, flags, trial_jobs
+from study.comparison.build import compare, flags, said, trial_jobs
 from study.comparison.claims import HEADLINES
 from study.comparison.contestants import level_cells
 from study.comparison.effort import FULL
@@ -94,7 +94,9 @@ def test_nothing_is_run_twice(whole):
 def test_flags_are_kept_for_the_report(whole, tmp_path):
     path, found = whole
     assert flags(path) == found.audit.flags
+    assert [sentence.partition(" the ")[0] for sentence in said(path)] == ["On", "On"]
     assert flags(tmp_path / "nothing.sqlite") == {}
+    assert said(tmp_path / "nothing.sqlite") == []
 
 
 def test_every_table_holds_the_trivial_opponents(whole):
