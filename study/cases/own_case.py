@@ -31,7 +31,7 @@ from study.io.limits import LimitFile, read_limits
 from study.io.one_joint import OneJoint
 from study.io.recordings import read_samples
 from study.io.samples import Samples
-from study.limits import OPTIONAL
+from study.limits import LARGEST, OPTIONAL
 from study.planning import usual_curve, usual_settings
 from study.problem import EndCondition, Floats, JointLimits, Problem
 from study.robots import robot_named
@@ -73,6 +73,10 @@ def own_case(content: Mapping[str, Any], path: Path) -> Case:
     if rows is not None:
         warnings += [f"{file.waypoints}: {note}" for note in (*rows.notes, *unused_columns(file, rows, names))]
     table = rows.of(names, where).positions if rows else np.array(_rectangle(file.waypoints, where), dtype=float)
+    if (large := (np.abs(table) > LARGEST).any(axis=1)).any():
+        raise StudyError(
+            f"{where}: waypoint {large.argmax() + 1} is infinite or too large; give numbers up to {LARGEST:g}"
+        )
     if len(table) == 1:
         raise StudyError(f"{where}: there is only one waypoint; a motion needs at least two")
     units = _units(file, rows, read, names, table.shape[1], where)

@@ -37,7 +37,9 @@ def chosen_columns(file: OwnCase, rows: Samples, limits: LimitFile) -> Samples:
     if file.joints or read:
         rows = rows.numbered(file.joints or read)
     notes, left = list[str](), set[str]()
-    for name, span in zip(rows.names, np.ptp(rows.positions, axis=0), strict=bool(rows.names)):
+    with np.errstate(over="ignore"):  # too large numbers are refused later, by their place
+        spans = np.ptp(rows.positions, axis=0)
+    for name, span in zip(rows.names, spans, strict=bool(rows.names)):
         if limits.followers.get(name) in rows.names:
             notes.append(f"not used: column {name!r}, which follows {limits.followers[name]!r}")
         elif read and not owned and name not in read and span <= STILL:

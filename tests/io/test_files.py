@@ -9,6 +9,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
+from study.cases.library import own_case
 from study.errors import StudyError
 from study.files import as_written, csv_text, read_file, replacing, write_file
 from study.io import arrays_file, xml_file
@@ -234,3 +235,10 @@ def test_macros_that_fail_or_never_end_are_one_sentence(tmp_path, monkeypatch, t
 
 def test_a_sentence_is_one_line_whatever_others_say():
     assert str(StudyError("a file: first\n  second\r\n\x0bthird\u2028")) == "a file: first; second; third"
+
+
+@pytest.mark.filterwarnings("error")
+def test_waypoints_whose_span_overflows_are_refused_in_one_sentence_and_no_warning(tmp_path):
+    written(tmp_path, "a.csv", "a,b\n1e308,0\n-1e308,1\n")
+    with pytest.raises(StudyError, match="waypoint 1 is infinite or too large"):
+        own_case({"units": "rad", "waypoints": "a.csv", "limits": {"velocity": 1}}, tmp_path / "case.yaml")
