@@ -15,12 +15,13 @@ import tempfile
 import time
 import traceback
 import warnings
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import FrameType
 
 import hypothesis
 from hypothesis import HealthCheck, Phase, Verbosity, settings
+from hypothesis.errors import FlakyStrategyDefinition
 
 from tests.fuzz.files import spoilt
 from tests.fuzz.targets import READERS, prepared, target
@@ -104,7 +105,10 @@ class Fuzzer:
             if time.process_time() < end:
                 self(folder, *file)
 
-        inputs()
+        with suppress(
+            FlakyStrategyDefinition
+        ):  # how deep an edit may nest depends on the stack; the next round goes on
+            inputs()
 
     @property
     def line(self) -> str:
