@@ -162,7 +162,7 @@ def committed_law(suite: Suite) -> str:
     StudyError
         If no runs of searches on growing problems are committed.
     """
-    field = _committed(suite)
+    field = committed_field(suite)
     parts = []
     for budget in sorted({run.evaluations for run in field.runs if run.evaluations}):
         if text := paragraph(field, budget):
@@ -176,11 +176,12 @@ def committed_law(suite: Suite) -> str:
 
 def law_in_markdown(suites: Sequence[Suite]) -> str:
     """Tell the law of several suites' committed runs at the largest budget, each in one point of a list."""
-    fields = [(suite.name, _committed(suite)) for suite in suites]
+    fields = [(suite.name, committed_field(suite)) for suite in suites]
     return "\n".join(f"- *{name}*: {paragraph(field, largest_budget(field))}" for name, field in fields)
 
 
-def _committed(suite: Suite) -> Field:
+def committed_field(suite: Suite) -> Field:
+    """Committed runs of a suite with the best known times."""
     runs = read_runs(runs_file(suite))
     return Field(tuple(runs), best_in(runs, known_times(suite)))
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from statistics import median
 
-from study.cases.records import known_times
 from study.cases.suites import PAPERS, suite_named
-from study.suites.measures import Field, Run, best_in, read_runs, runs_file
+from study.suites.law import committed_field
+from study.suites.measures import Field, Run, runs_file
 
 
 def papers_marks() -> list[tuple[str, int, float, str]]:
@@ -15,11 +15,10 @@ def papers_marks() -> list[tuple[str, int, float, str]]:
     suite = suite_named(PAPERS)
     if not runs_file(suite).is_file():
         return []
-    runs = read_runs(runs_file(suite))
-    field = Field(tuple(runs), best_in(runs, known_times(suite)))
+    field = committed_field(suite)
     marks = []
     for name, case in suite.cases.items():
-        own = [run for run in runs if run.problem == name and run.planner == case.planner]
+        own = [run for run in field.runs if run.problem == name and run.planner == case.planner]
         if own:
             marks.append((name, case.problem.n_segments, _gap(field, own), case.planner))
     return marks
