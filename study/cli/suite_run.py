@@ -39,10 +39,11 @@ from study.runs.remembered import remember_lineup
 from study.store.results import Result
 from study.store.store import Store
 from study.suites.lineups import Lineup, chosen_cases, given_lineup, lineup_named, suite_cells, usual_lineup
-from study.suites.measures import Field, Run, Score, best_in, runs_file, runs_of, scores, write_runs
+from study.suites.measures import Field, Score, best_in, scores
 from study.suites.page import write_page
 from study.suites.papers import papers_marks
 from study.suites.records import contradictions, improved, records_text
+from study.suites.runs import Run, runs_file, runs_of, write_runs
 from study.suites.submission import ENDING, record_text, submission
 
 

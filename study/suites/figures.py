@@ -15,7 +15,7 @@ from study.analysis.formatting import ratio as number
 from study.report.figures import sized, svg
 from study.report.plot_style import DASHES, GRID, INK, MARKERS, RC, SERIES
 from study.suites.law import Growth
-from study.suites.measures import Profile
+from study.suites.profiles import Profile
 
 LEAST, MOST = 1e-5, 10.0
 """Gaps that the logarithmic axis shows."""

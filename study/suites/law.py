@@ -17,7 +17,8 @@ from study.comparison.statistics import Interval
 from study.errors import StudyError
 from study.planning import Freedom
 from study.problem import Floats
-from study.suites.measures import Field, Run, best_in, read_runs, runs_file
+from study.suites.measures import Field, best_in
+from study.suites.runs import Run, read_runs, runs_file
 
 RESAMPLES, LEVEL = 1000, 0.95
 MARKS = (0.01, 0.1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
@@ -28,15 +28,13 @@ from study.suites.measures import (
     SHIFT,
     TIMES,
     Field,
-    Profile,
-    Run,
     Score,
-    data_profiles,
-    performance_profiles,
     scores,
     shifted_mean,
     table_of_problems,
 )
+from study.suites.profiles import Profile, data_profiles, performance_profiles
+from study.suites.runs import Run, plain
 
 
 @dataclass(frozen=True)
@@ -75,7 +73,7 @@ def write_page(
         Versions and machine.
     """
     out.mkdir(parents=True, exist_ok=True)
-    write_table(out / "runs", [asdict(run) for run in field.runs])
+    write_table(out / "runs", plain(field.runs))
     ranked = scores(field)
     sections = [
         *_law(field, papers),

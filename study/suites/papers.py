@@ -6,7 +6,8 @@ from statistics import median
 
 from study.cases.suites import PAPERS, suite_named
 from study.suites.law import committed_field
-from study.suites.measures import Field, Run, runs_file
+from study.suites.measures import Field
+from study.suites.runs import Run, runs_file
 
 
 def papers_marks() -> list[tuple[str, int, float, str]]:

@@ -11,8 +11,9 @@ from study.cases.records import known_times
 from study.cases.suites import suite_named
 from study.errors import StudyError
 from study.suites.law import committed_law, growths, largest_budget, law_grid, paragraph
-from study.suites.measures import Field, Run, best_in, read_runs, runs_file
+from study.suites.measures import Field, best_in
 from study.suites.page import write_page
+from study.suites.runs import Run, read_runs, runs_file
 
 BASE = Run(
     "scaling:x", 3, 7, False, "casadi-nlp", "case's curve", 0, 0, "FINISHED", True, 1.0, 1.0, 2.0, 0.0, ""

@@ -4,11 +4,14 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 from study.errors import StudyError
 from study.suites import measures
-from study.suites.measures import Field, Run, best_in, data_profiles, performance_profiles, scores, shifted_mean
+from study.suites.measures import Field, best_in, scores, shifted_mean
+from study.suites.profiles import data_profiles, performance_profiles
+from study.suites.runs import FINENESS, Run, improvements, read_runs, write_runs
 
 GOOD = Run(
     "s:a", 3, 2, False, "quick", "free path", 0, 0, "FINISHED", True, 1.0, 1.0, 0.05, 0.0, ""
@@ -74,9 +77,40 @@ def test_the_table_of_problems_has_infinity_where_a_method_failed(field):
     np.testing.assert_array_equal(values, [[1.0, 1.5], [2.0, np.inf]])
 
 
+def test_improvements_keep_the_end_and_reach_every_mark_at_most_5_percent_late():
+    rng = np.random.default_rng(3)
+    evaluations = 50.0 * np.arange(1, 201)
+    values = 2.0 * (1.0 + np.minimum.accumulate(rng.random(200) * 100 / evaluations))
+    curve = improvements(np.column_stack([evaluations, values]), float(values[-1]))
+    assert len(curve) < 60
+    assert curve[-1, 1] == 0.0
+    for mark in (0.5, 0.1, 0.01):
+        exact = evaluations[np.argmax(values <= values[-1] * (1 + mark))]
+        kept = curve[np.argmax(curve[:, 1] <= mark), 0]
+        assert exact <= kept <= exact * FINENESS
+
+
+def test_a_history_without_motions_leaves_no_curve_and_a_single_record_one_point():
+    assert improvements(np.array([[50.0, np.inf], [100.0, np.inf]]), 1.0).shape == (0, 2)
+    assert improvements(np.empty((0, 2)), 1.0).shape == (0, 2)
+    assert improvements(np.array([[50.0, np.inf], [100.0, 3.0]]), 3.0).tolist() == [[100.0, 0.0]]
+
+
+def test_files_of_before_the_curves_are_read(tmp_path, field):
+    path = tmp_path / "runs.parquet"
+    write_runs(path, field.runs)
+    pq.write_table(pq.read_table(path).drop_columns(["spent", "curve_evaluations", "curve_above"]), path)
+    assert read_runs(path) == list(field.runs)
+    pq.write_table(pq.read_table(path).drop_columns(["seed"]), path)
+    with pytest.raises(StudyError, match="no column 'seed'"):
+        read_runs(path)
+
+
 def test_runs_come_back_from_their_file(tmp_path, field):
     path = tmp_path / "runs.parquet"
-    measures.write_runs(path, field.runs)
-    assert measures.read_runs(path) == list(field.runs)
+    searched = replace(GOOD, evaluations=1000, spent=1000, curve_evaluations=(50, 400), curve_above=(0.25, 0.0))
+    write_runs(path, [*field.runs, searched])
+    assert read_runs(path) == [*field.runs, searched]
+    assert searched.curve.tolist() == [[50.0, 1.25], [400.0, 1.0]]
     with pytest.raises(StudyError, match="no committed runs"):
-        measures.read_runs(tmp_path / "none.parquet")
+        read_runs(tmp_path / "none.parquet")
