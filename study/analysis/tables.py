@@ -26,12 +26,16 @@ NO_FLAGS: Mapping[str, str] = MappingProxyType({})
 
 @dataclass(frozen=True)
 class Grid:
-    """A table of a page: caption, heads and rows; the first `names` columns hold names, the others numbers."""
+    """A table of a page: caption, heads and rows; the first `names` columns hold names, the others numbers.
+
+    `choices` names the columns whose values a page lets people choose from: one value, or numbers up to one.
+    """
 
     caption: str
     head: Sequence[str]
     rows: Sequence[Sequence[Cell]]
     names: int = 1
+    choices: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -92,6 +96,12 @@ def grid(
     shown = [column for column in columns if column.head]
     cells = [[column.cell(row, flags) for column in shown] for row in rows]
     return Grid(caption, [column.head for column in shown], cells, names)
+
+
+def markdown(table: Grid) -> str:
+    """Write a table in Markdown."""
+    align = ["---"] * table.names + ["---:"] * (len(table.head) - table.names)
+    return "\n".join("| " + " | ".join(map(str, cells)) + " |" for cells in [table.head, align, *table.rows])
 
 
 def bare(value: Any) -> Value:

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from rich.table import Table
-from rich.text import Text
 
-from study.analysis.formatting import percent, wall
+from study.analysis.formatting import percent
+from study.analysis.tables import Grid
 from study.cases.case import Case
 from study.cases.library import load_case
 from study.cases.records import ProblemRecords, known_times, records_file, records_of
@@ -38,13 +38,16 @@ from study.runs.execute import cell_jobs, stored_results
 from study.runs.remembered import remember_lineup
 from study.store.results import Result
 from study.store.store import Store
+from study.suites.effects import against, control_of, effects, featured
 from study.suites.lineups import Lineup, chosen_cases, given_lineup, lineup_named, suite_cells, usual_lineup
-from study.suites.measures import Field, Score, best_in, scores
+from study.suites.measures import Field, best_in, scores
 from study.suites.page import write_page
 from study.suites.papers import papers_marks
 from study.suites.records import contradictions, improved, records_text
 from study.suites.runs import Run, runs_file, runs_of, write_runs
 from study.suites.submission import ENDING, record_text, submission
+from study.suites.tables import cost_grid, effect_grid, score_grid
+from study.suites.targets import costs
 
 
 @dataclass(frozen=True)
@@ -151,7 +154,8 @@ def show_suite(
         page = write_page(suite, field, records_of(suite), papers_marks(), out / "report" / "suite", environment())
         write_pages(out, audit_flags(out))
     with console.paged():
-        console.print(score_table(console, f"Suite {suite.name}, checksum {suite.checksum}", scores(field)))
+        for each in result_tables(console, suite, field):
+            console.print(each)
         console.print(bound_line(runs, field), f"page: {page}", sep="\n")
 
 
@@ -208,42 +212,28 @@ def submitted(file: Path, problem: str, by: str, units: str | None, out: Path | 
     return True
 
 
-def score_table(console: SafeConsole, title: str, ranked: Sequence[Score]) -> Table:
-    """Table of scores; failures are counted in every number of it."""
-    rows: list[tuple[str | Text, ...]] = [
-        (
-            score.method,
-            score.kind,
-            f"{score.feasible}/{score.runs}",
-            percent(score.gap_any),
-            percent(score.gap_own),
-            *(percent(share, signed=False) for share in score.within),
-            wall(score.wall_time),
-            Text(", ".join(f"{count} {reason}" for reason, count in score.failures.items())),
-        )
-        for score in ranked
-    ]
-    heads = (
-        "method",
-        "kind",
-        "feasible",
-        "gap",
-        "own kind",
-        "near in 0.1 s",
-        "in 1 s",
-        "in 10 s",
-        "median",
-        "failures",
-    )
-    return fitted(
-        console,
-        title,
-        heads,
-        rows,
-        left=("method", "kind", "failures"),
-        wraps=("failures",),
-        gives_way=("in 10 s", "near in 0.1 s", "kind", "own kind", "median"),
-    )
+def result_tables(console: SafeConsole, suite: Suite, field: Field) -> list[Table]:
+    """Tables of scores, of the cost to come near, and of effect sizes."""
+    ranked = scores(field)
+    title = f"Suite {suite.name}, checksum {suite.checksum}"
+    give = ("in 10 s", "Near in 0.1 s", "Kind", "Own kind", "Median time")
+    tables = [grid_table(console, title, score_grid(ranked), "Failures", give)]
+    if ranked:
+        title = "Expected evaluations per segment and wall time to come so near to the best known of the own kind"
+        tables.append(grid_table(console, title, cost_grid(costs(field)), gives_way=("To 10 %", "To 0.01 %")))
+    shown = featured(field, ranked)
+    if len(shown) > 1:
+        control = control_of(field, shown)
+        own = against(effects(field, shown), control)
+        title = f"Probability that a run is shorter than one of {control} (A12), and the test over problems"
+        tables.append(grid_table(console, title, effect_grid(own, control), gives_way=("Delta", "Problems")))
+    return tables
+
+
+def grid_table(console: SafeConsole, title: str, table: Grid, wraps: str = "", gives_way: Sequence[str] = ()) -> Table:
+    """Table of the page as the terminal shows it."""
+    rows = [[str(cell) for cell in row] for row in table.rows]
+    return fitted(console, title, table.head, rows, (*table.head[: table.names], wraps), (wraps,), gives_way)
 
 
 def bound_line(runs: Sequence[Run], field: Field) -> str:

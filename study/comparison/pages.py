@@ -10,7 +10,7 @@ import numpy as np
 from markupsafe import Markup
 
 from study.analysis.palette import method_slots
-from study.analysis.tables import Grid, Record, records, write_table
+from study.analysis.tables import Record, records, write_table
 from study.comparison import ablations, audit_functions, audit_trajectories, claims_shown, figures, ranking, targets
 from study.comparison.build import Comparison
 from study.comparison.contestants import LEVELS, RUN_COLUMNS, Level, reference_grid, runs_of, solver_grid
@@ -19,8 +19,9 @@ from study.comparison.ioh import write_ioh
 from study.comparison.overview import limitations, summary
 from study.errors import StudyError
 from study.files import write_file
-from study.report.live import Line, Look, answering, steps_data
+from study.report.live import Line, answering, over_evaluations, share_over, steps_data
 from study.report.rendering import render, write_scripts
+from study.report.sections import Section
 from study.runs.selections import YARDSTICKS
 
 PAGES = {
@@ -31,18 +32,6 @@ PAGES = {
     "ablations": "Ablations",
 }
 N_STYLES = 7
-
-
-@dataclass(frozen=True)
-class Section:
-    """One part of a page."""
-
-    title: str
-    texts: Sequence[str] = ()
-    figures: Sequence[Markup] = ()
-    grids: Sequence[Grid] = ()
-    legend: Sequence[tuple[int, str]] = ()
-    folded: bool = False
 
 
 @dataclass(frozen=True)
@@ -206,15 +195,7 @@ def _targets_page(comparison: Comparison) -> Page:
 
 
 def _distribution(level: Level, lines: Sequence[targets.Distribution], styles: dict[str, int]) -> Markup:
-    look = Look(
-        f"targets-{level}",
-        "evaluations per segment",
-        "At the end of the budget.",
-        380,
-        log=(True, False),
-        form="percent",
-        across="evaluations per segment",
-    )
+    look = share_over(f"targets-{level}", "evaluations per segment")
     rows = [(line.costs, line.shares) for line in lines]
     named = [Line(line.planner, styles.get(line.planner)) for line in lines]
     data = steps_data(look, named, "share of targets reached", "reached", rows)
@@ -225,16 +206,7 @@ def _anytime(comparison: Comparison, level: Level, case: str, number: int, style
     own = [run for run in comparison.field.levels[level] if run.case == case and run.planner in styles]
     known = comparison.field.references[case].value
     curves = targets.anytime(own)
-    look = Look(
-        f"anytime-{level}-{number}",
-        "evaluations",
-        "At the end of the budget.",
-        300,
-        log=(True, True),
-        form="percent",
-        bands=True,
-        across="evaluations",
-    )
+    look = over_evaluations(f"anytime-{level}-{number}", "At the end of the budget.", 300)
     rows = [(curve.evaluations, *np.maximum(curve.values[[1, 0, 2]] / known - 1.0, figures.LEAST)) for curve in curves]
     named = [Line(curve.planner, styles[curve.planner]) for curve in curves]
     data = steps_data(look, named, f"{case}: above the best known, median and quartiles", "above", rows)

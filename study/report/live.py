@@ -73,6 +73,18 @@ class Look:
     across: str = ""
 
 
+def over_evaluations(name: str, idle: str, height: int) -> Look:
+    """Times above the best known with their quartiles against evaluations, both logarithmic."""
+    return Look(
+        name, "evaluations", idle, height, log=(True, True), form="percent", bands=True, across="curve evaluations"
+    )
+
+
+def share_over(name: str, unit: str) -> Look:
+    """Shares in percent against a cost on a logarithmic axis."""
+    return Look(name, unit, "At the end.", 380, log=(True, False), form="percent", across=unit)
+
+
 Panel = Mapping[str, Any]
 
 
@@ -154,16 +166,8 @@ def convergence_data(curves: Sequence[Convergence], shortest: float) -> Markup:
         "short": "above",
         "y": rows,
     }
-    look = Look(
-        "convergence",
-        "evaluations",
-        "At the end; point at the figure for other numbers of evaluations.",
-        380,
-        log=(True, True),
-        form="percent",
-        bands=True,
-        across="curve evaluations",
-    )
+    idle = "At the end; point at the figure for other numbers of evaluations."
+    look = over_evaluations("convergence", idle, 380)
     return _written(look, [Line(curve.label, curve.style) for curve in curves], [{"name": "", "panels": [panel]}])
 
 

@@ -10,12 +10,14 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from study.analysis.formatting import ratio as number
 from study.report.figures import sized, svg
 from study.report.plot_style import DASHES, GRID, INK, MARKERS, RC, SERIES
 from study.suites.law import Growth
 from study.suites.profiles import Profile
+from study.suites.targets import Cost
 
 LEAST, MOST = 1e-5, 10.0
 """Gaps that the logarithmic axis shows."""
@@ -64,6 +66,23 @@ def growth(key: str, lines: Sequence[Growth], styles: Mapping[str, int], papers:
         return svg(
             figure, key, "Gap to the optimum by segments", f"Median gap against the number of segments for {names}."
         )
+
+
+def costs(key: str, every: Sequence[Cost], styles: Mapping[str, int], target: int) -> Markup:
+    """Plot the expected evaluations to a target against the number of segments."""
+    with mpl.rc_context(RC):
+        figure, axes = _canvas(760, 380)
+        for name, style in styles.items():
+            own = [cost for cost in every if cost.method == name]
+            values = [cost.evaluations[target] if np.isfinite(cost.evaluations[target]) else np.nan for cost in own]
+            axes.plot([cost.segments for cost in own], values, marker=MARKERS[style], markersize=5, **_look(style))
+        axes.set(xscale="log", yscale="log", xlabel="segments", ylabel="expected evaluations")
+        sizes = sorted({cost.segments for cost in every})
+        axes.set_xticks(sizes, [str(size) for size in sizes])
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(lambda value, _: number(value))
+        axes.minorticks_off()
+        return svg(figure, key, "Cost by segments", f"Expected evaluations against segments for {', '.join(styles)}.")
 
 
 def _places(papers: Marks) -> dict[tuple[int, float], list[str]]:

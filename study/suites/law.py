@@ -10,7 +10,7 @@ from itertools import groupby
 import numpy as np
 
 from study.analysis.formatting import percent, plural
-from study.analysis.tables import Grid
+from study.analysis.tables import Grid, markdown
 from study.cases.records import known_times
 from study.cases.suites import Suite
 from study.comparison.statistics import Interval
@@ -78,11 +78,16 @@ def growths(field: Field, seed: int = 0) -> list[Growth]:
     seed : int
         Of the bootstrap.
     """
-    usual = max((run.joints for run in field.runs), key=[run.joints for run in field.runs].count, default=0)
-    runs = [r for r in field.runs if r.evaluations and r.joints == usual and not r.jerk and r.kind == Freedom.CURVE]
+    runs = growing(field)
     key = lambda run: (run.evaluations, run.planner)  # noqa: E731
     grown = [_growth(field, list(group), seed) for _, group in groupby(sorted(runs, key=key), key)]
     return sorted(grown, key=lambda each: (each.evaluations, each.points[-1].gap.estimate))
+
+
+def growing(field: Field) -> list[Run]:
+    """Runs of searches on problems with the usual number of joints and no jerk limit, which differ by their segments."""
+    usual = max((run.joints for run in field.runs), key=[run.joints for run in field.runs].count, default=0)
+    return [r for r in field.runs if r.evaluations and r.joints == usual and not r.jerk and r.kind == Freedom.CURVE]
 
 
 def _growth(field: Field, runs: Sequence[Run], seed: int) -> Growth:
@@ -103,8 +108,8 @@ def _growth(field: Field, runs: Sequence[Run], seed: int) -> Growth:
         )
         for size, now, band, rows in zip(sizes, estimates, drawn, gaps, strict=True)
     ]
-    slopes = np.array([_exponent(sizes, column) for column in drawn.T])
-    slope, known = _exponent(sizes, estimates), slopes[np.isfinite(slopes)]
+    slopes = _exponents(sizes, drawn)
+    slope, known = float(_exponents(sizes, estimates[:, None])[0]), slopes[np.isfinite(slopes)]
     exponent = Interval(slope, *_ends(known)) if np.isfinite(slope) and len(known) > len(slopes) / 2 else None
     passes = {mark: _passing(sizes, estimates, mark) for mark in MARKS}
     return Growth(runs[0].planner, runs[0].evaluations, tuple(points), exponent, passes)
@@ -134,12 +139,26 @@ def _ends(values: Floats) -> tuple[float, float]:
     return float(ends[0]), float(ends[1])
 
 
-def _exponent(sizes: Floats, gaps: Floats) -> float:
-    """Slope of the logarithm of the gap over that of the number of segments, where the gap is visible; NaN where it is not."""
+def _exponents(sizes: Floats, gaps: Floats) -> Floats:
+    """Slopes of the logarithm of the gap over that of the number of segments by least squares, where the gap is visible.
+
+    Parameters
+    ----------
+    sizes : array of shape (n_sizes,)
+    gaps : array of shape (n_sizes, n_resamples)
+
+    Returns
+    -------
+    array of shape (n_resamples,)
+        NaN where fewer than two gaps are visible.
+    """
     seen = gaps > VISIBLE
-    if seen.sum() < 2:
-        return np.nan
-    return float(np.polyfit(np.log(sizes[seen]), np.log(np.minimum(gaps[seen], LAST_RESORT)), 1)[0])
+    logs = np.log(np.clip(gaps, VISIBLE, LAST_RESORT))
+    n = np.maximum(seen.sum(axis=0), 1)
+    apart = np.where(seen, np.log(sizes)[:, None] - (np.log(sizes)[:, None] * seen).sum(axis=0) / n, 0.0)
+    spread = (apart**2).sum(axis=0)
+    slopes: Floats = (apart * logs).sum(axis=0) / np.where(n > 1, spread, np.nan)
+    return slopes
 
 
 def _passing(sizes: Floats, gaps: Floats, mark: float) -> float | None:
@@ -168,8 +187,7 @@ def committed_law(suite: Suite) -> str:
     for budget in sorted({run.evaluations for run in field.runs if run.evaluations}):
         if text := paragraph(field, budget):
             table = law_grid(field, budget)
-            rows = [table.head, ["---", *["---:"] * (len(table.head) - 1)], *table.rows]
-            parts += [text, "\n".join("| " + " | ".join(map(str, cells)) + " |" for cells in rows)]
+            parts += [text, markdown(table)]
     if not parts:
         raise StudyError(f"suite {suite.name!r} has no committed runs of searches on growing problems")
     return "\n\n".join(parts)

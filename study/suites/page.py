@@ -1,52 +1,42 @@
-"""The page of a suite: the answer, the law and its figure, scores, profiles, ranks, failures, and every problem's best time."""
+"""The page of a suite: the answer, the law and its figure, scores, costs, profiles, effect sizes, ranks, and every problem's best time."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import groupby
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from markupsafe import Markup
 
-from study.analysis.formatting import bare_seconds, listed, percent, plural, wall
+from study.analysis.formatting import listed, percent, plural, wall
 from study.analysis.palette import method_slots
 from study.analysis.tables import Grid, write_table
 from study.cases.records import ProblemRecords
 from study.cases.suites import Suite
 from study.comparison.statistics import critical_difference, friedman
+from study.comparison.targets import target_name
 from study.files import write_file
-from study.planning import Freedom
+from study.report.live import Line, answering, share_over, steps_data
 from study.report.plot_style import SERIES
 from study.report.rendering import render, write_scripts
+from study.report.sections import Section
 from study.suites import figures
-from study.suites.law import growths, largest_budget, law_grid, paragraph
-from study.suites.measures import (
-    FAILED,
-    NEAR,
-    SHIFT,
-    TIMES,
-    Field,
-    Score,
-    scores,
-    shifted_mean,
-    table_of_problems,
-)
+from study.suites.effects import against, control_of, effects, effects_by_problem, featured
+from study.suites.law import growing, growths, largest_budget, law_grid, paragraph
+from study.suites.measures import FAILED, NEAR, SHIFT, Field, Score, scores, table_of_problems
 from study.suites.profiles import Profile, data_profiles, performance_profiles
-from study.suites.runs import Run, plain
-
-
-@dataclass(frozen=True)
-class Section:
-    """One part of the page."""
-
-    title: str
-    texts: Sequence[str] = ()
-    figures: Sequence[Markup] = ()
-    grids: Sequence[Grid] = ()
-    legend: Sequence[tuple[int, str]] = ()
-    folded: bool = False
+from study.suites.runs import plain
+from study.suites.tables import (
+    best_grid,
+    cost_grid,
+    cost_records,
+    effect_grid,
+    effect_matrix,
+    score_grid,
+    trait_grid,
+    traits,
+)
+from study.suites.targets import TARGETS, costs, costs_by_size, near_profiles, runtime_distributions
 
 
 def write_page(
@@ -57,7 +47,7 @@ def write_page(
     out: Path,
     environment: Mapping[str, str],
 ) -> Path:
-    """Write the page and all runs as files.
+    """Write the page, and runs, costs and effect sizes as files.
 
     Parameters
     ----------
@@ -73,21 +63,32 @@ def write_page(
         Versions and machine.
     """
     out.mkdir(parents=True, exist_ok=True)
-    write_table(out / "runs", plain(field.runs))
     ranked = scores(field)
+    shown = featured(field, ranked)
+    control = control_of(field, shown)
+    files = {
+        "runs": plain(field.runs),
+        "costs": cost_records([*costs(field), *costs_by_size(field, growing(field))]),
+        "effects": effects_by_problem(field, shown, control) if control else [],
+    }
+    for name, rows in files.items():
+        if rows:
+            write_table(out / name, rows)
     sections = [
         *_law(field, papers),
         Section("Scores", [_explained()], grids=[score_grid(ranked)]),
-        *_profiles(field, ranked),
+        *_costs(field),
+        *_profiles(field, shown),
+        *_effects(field, shown, control),
         *_ranks(field),
-        *_by_trait(suite, field),
-        Section("Failures", [_failures(ranked)]),
-        Section("Best known times", grids=[best_grid(field, records)], folded=True),
+        _by_trait(suite, field),
+        Section("Best known times", grids=[best_grid(suite, field, records)]),
     ]
     context = {
         "title": f"Suite {suite.name}: {suite.about}",
         "answer": answer(suite, field, ranked),
         "sections": sections,
+        "files": [name for name, rows in files.items() if rows],
         "environment": environment,
     }
     text = render("suite.html.j2", context, package="study.suites", root="../")
@@ -114,28 +115,10 @@ def answer(suite: Suite, field: Field, ranked: Sequence[Score]) -> list[str]:
 def _explained() -> str:
     return (
         f"Gap: duration above the best known of any kind of motion, and of the method's own kind; the shifted geometric mean (shift "
-        f"{percent(SHIFT, signed=False)}) over all runs, where one without a feasible motion counts with {percent(FAILED, signed=False)}. Near is "
-        f"within {percent(NEAR, signed=False)} of the best known of any kind; the columns give the share of all runs that were near within a "
+        f"{target_name(SHIFT)}) over all runs, where one without a feasible motion counts with {target_name(FAILED)}. Near is "
+        f"within {target_name(NEAR)} of the best known of any kind; the columns give the share of all runs that were near within a "
         "wall time."
     )
-
-
-def score_grid(ranked: Sequence[Score]) -> Grid:
-    """Table of scores."""
-    head = ["Method", "Kind", "Feasible", "Gap", "Own kind", *(f"Near in {t:g} s" for t in TIMES), "Median time"]
-    rows = [
-        [
-            score.method,
-            score.kind,
-            f"{score.feasible}/{score.runs}",
-            percent(score.gap_any),
-            percent(score.gap_own),
-            *(percent(share, signed=False) for share in score.within),
-            wall(score.wall_time),
-        ]
-        for score in ranked
-    ]
-    return Grid("Every method over the suite, the nearest first.", head, rows, names=2)
 
 
 def _law(field: Field, papers: figures.Marks) -> list[Section]:
@@ -168,32 +151,77 @@ def _law(field: Field, papers: figures.Marks) -> list[Section]:
     ]
 
 
-def _profiles(field: Field, ranked: Sequence[Score]) -> list[Section]:
-    budget = max((run.evaluations for run in field.runs), default=0)
-    shown = [s.method for s in ranked if field.by_method[s.method][0].evaluations in (0, budget)][: len(SERIES)]
-    slots = method_slots([field.by_method[name][0].planner for name in shown])
-    styles = {name: slots[field.by_method[name][0].planner] for name in shown}
-
-    def picked(lines: Sequence[Profile]) -> list[Profile]:
-        return [line for line in lines if line.method in styles]
-
-    performance = figures.profiles(
-        "performance",
-        picked(performance_profiles(field)),
-        styles,
-        "duration over the best known",
-        "Performance profiles",
+def _costs(field: Field) -> list[Section]:
+    every = costs(field)
+    if not every:
+        return []
+    text = (
+        "A failed run is followed by another until one comes so near: all evaluations, and all wall time, over the number of runs that "
+        "did. The best known is that of the method's own kind of motion; wall time is spread evenly over a run's evaluations."
     )
-    data = figures.profiles("data", picked(data_profiles(field)), styles, "wall time, s", "Data profiles")
+    sized = costs_by_size(field, growing(field))
+    section = Section("Cost to come near", [text], grids=[cost_grid(every)])
+    if len({cost.segments for cost in sized}) < 3:
+        return [section]
+    budget = largest_budget(field)
+    last = [cost for cost in sized if field.by_method[cost.method][0].evaluations == budget]
+    styles = _styles(field, sorted({cost.method for cost in last}))
+    picture = figures.costs("costs", last, styles, TARGETS.index(NEAR))
+    said = f"Searches by size, {budget:,} evaluations: what it costs to come within {target_name(NEAR)}; a line ends where no run did."
     legend = [(style, name) for name, style in styles.items()]
+    return [section, Section("Cost by size", [said], [picture], [cost_grid(sized)], legend, folded=True)]
+
+
+def _styles(field: Field, methods: Sequence[str]) -> dict[str, int]:
+    slots = method_slots([field.by_method[name][0].planner for name in methods][: len(SERIES)])
+    return {name: slots[planner] for name in methods if (planner := field.by_method[name][0].planner) in slots}
+
+
+def _profiles(field: Field, shown: Sequence[str]) -> list[Section]:
+    styles = _styles(field, shown)
+    near = target_name(NEAR)
+    wanted = (
+        ("Performance profiles", "Share of runs within a factor of the best known of any kind (Dolan and More 2002).",
+         performance_profiles(field), "times the best known"),
+        ("Data profiles over wall time", f"Share of runs within {near} of the best known of any kind, by wall time.",
+         data_profiles(field), "s of wall time"),
+        ("Data profiles over evaluations",
+         f"Share of a search's runs that came within {near} of the best known of their own kind, by evaluations over segments + 1, "
+         "which is what one gradient by differences costs (More and Wild 2009).", near_profiles(field), "evaluations / (segments + 1)"),
+        ("Targets reached", "Share of all runs and of 41 targets, from 100 % to 0.01 % above the best known of the own kind, that a search "
+         "reached within so many evaluations per segment, as COCO draws it; no restarts are simulated.",
+         runtime_distributions(field), "evaluations per segment"),
+    )  # fmt: skip
     return [
-        Section(
-            "Performance profiles", ["Share of runs within a factor of the best known."], [performance], legend=legend
-        ),
-        Section(
-            "Data profiles", ["Share of runs that are near the best known within a wall time."], [data], legend=legend
-        ),
+        Section(title, [text], [_shares(f"shares-{number}", lines, styles, unit, title)], legend=_legend(styles, lines))
+        for number, (title, text, every, unit) in enumerate(wanted)
+        if (lines := [line for line in every if line.method in styles and len(line.x)])
     ]
+
+
+def _legend(styles: Mapping[str, int], lines: Sequence[Profile]) -> list[tuple[int, str]]:
+    return [(styles[line.method], line.method) for line in lines]
+
+
+def _shares(key: str, lines: Sequence[Profile], styles: Mapping[str, int], unit: str, title: str) -> Markup:
+    named = [Line(line.method, styles[line.method]) for line in lines]
+    last = max(line.x[-1] for line in lines)
+    rows = [(np.append(line.x, last), np.append(line.share, line.share[-1])) for line in lines]
+    data = steps_data(share_over(key, unit), named, title, "share", rows)
+    return answering(data, figures.profiles(key, lines, styles, unit, title))
+
+
+def _effects(field: Field, shown: Sequence[str], control: str) -> list[Section]:
+    pairs = effects(field, shown)
+    if not pairs:
+        return []
+    own = against(pairs, control)
+    text = (
+        "A12 is the probability that a run of one method is shorter than a run of the other on the same problem, over the seeds of both; "
+        "from 0.71 on Vargha and Delaney call it large. Durations that differ by less than the judge's tolerance tie, and a run without a "
+        "feasible motion is longer than any other."
+    )
+    return [Section("Effect sizes", [text], grids=[effect_grid(own, control), effect_matrix(pairs, shown)])]
 
 
 def _ranks(field: Field) -> list[Section]:
@@ -210,53 +238,6 @@ def _ranks(field: Field) -> list[Section]:
     return [Section("Ranks", [text], grids=[Grid("Mean rank, 1 is best.", ["Method", "Mean rank"], rows)])]
 
 
-def _by_trait(suite: Suite, field: Field) -> list[Section]:
-    traits: dict[str, Callable[[Run], str]] = {
-        "joints": lambda run: plural(run.joints, "joint"),
-        "limits": lambda run: "with jerk limits" if run.jerk else "without jerk limits",
-    }
-    if suite.problems:
-        traits |= {
-            "task": lambda run: suite.problems[run.problem].tags[0],
-            "robot": lambda run: suite.problems[run.problem].robot or "no robot",
-        }
-    grids = [_trait_grid(field, name, trait) for name, trait in traits.items()]
-    return [Section("By task, robot and limits", grids=[grid for grid in grids if len(grid.head) > 2], folded=True)]
-
-
-def _trait_grid(field: Field, name: str, trait: Callable[[Run], str]) -> Grid:
-    values = sorted({trait(run) for run in field.runs})
-    rows = []
-    for method, runs in field.by_method.items():
-        groups = {key: list(group) for key, group in groupby(sorted(runs, key=trait), trait)}
-        means = [
-            shifted_mean([field.gap(run, own_kind=False) for run in groups[each]]) if each in groups else None
-            for each in values
-        ]
-        rows.append([method, *map(percent, means)])
-    return Grid(f"Gap to the best known of any kind, by {name}.", ["Method", *values], rows)
-
-
-def _failures(ranked: Sequence[Score]) -> str:
-    parts = [
-        f"{score.method}: {listed([f'{count} {reason}' for reason, count in score.failures.items()])}"
-        for score in ranked
-        if score.failures
-    ]
-    return "Runs without a feasible motion, counted in every number above: " + ("; ".join(parts) or "none") + "."
-
-
-def best_grid(field: Field, records: Mapping[str, ProblemRecords]) -> Grid:
-    """Best known time of every problem by kind of motion, who found it, and the proved bound."""
-    bounds = {name: each.bound or 0.0 for name, each in records.items()}
-    for run in field.runs:
-        bounds[run.problem] = max(bounds.get(run.problem, 0.0), run.bound if run.kind == "bound" else 0.0)
-    sizes = {run.problem: (run.segments, run.joints) for run in field.runs}
-    rows = []
-    for name, (segments, joints) in sorted(sizes.items()):
-        times = [bare_seconds(field.best.get((name, str(kind)))) for kind in Freedom]
-        bound, best = bounds.get(name, 0.0), field.best_of_any.get(name)
-        above = percent(best / bound - 1.0) if best and bound else percent(None)
-        rows.append([name, str(segments), str(joints), *times, bare_seconds(bound or None), above])
-    head = ["Problem", "Segments", "Joints", *(f"{kind}, s" for kind in Freedom), "Bound, s", "Best above bound"]
-    return Grid("Best known times and the proved bound of any motion.", head, rows)
+def _by_trait(suite: Suite, field: Field) -> Section:
+    grids = [trait_grid(field, name, trait) for name, trait in traits(suite).items()]
+    return Section("By task, robot and limits", grids=[table for table in grids if len(table.head) > 2], folded=True)

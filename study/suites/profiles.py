@@ -7,8 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from study.comparison.runtime import ecdf
+from study.problem import Floats
 from study.suites.measures import NEAR, Field
 from study.suites.runs import Run
+
+MOST_POINTS = 160
+LEAST = 1e-6
+"""Least cost that a logarithmic axis shows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,8 +22,8 @@ class Profile:
     """Share of runs whose ratio or cost is at most `x`, a step function."""
 
     method: str
-    x: np.ndarray
-    share: np.ndarray
+    x: Floats
+    share: Floats
 
 
 def performance_profiles(field: Field) -> list[Profile]:
@@ -31,9 +37,19 @@ def data_profiles(field: Field, near: float = NEAR) -> list[Profile]:
 
 
 def _profiles(field: Field, cost: Callable[[Run], float]) -> list[Profile]:
-    lines = []
-    for name, runs in field.by_method.items():
-        costs = np.sort([cost(run) for run in runs])
-        finite = costs[np.isfinite(costs)]
-        lines.append(Profile(name, finite, np.arange(1, len(finite) + 1) / len(costs)))
-    return lines
+    return [step_profile(name, np.array([cost(run) for run in runs])) for name, runs in field.by_method.items()]
+
+
+def step_profile(name: str, costs: Floats) -> Profile:
+    """Share reached within every cost; of many costs a grid of `MOST_POINTS` is taken, which begins and ends where they do.
+
+    Parameters
+    ----------
+    name : str
+    costs : array of any shape
+        Infinity where nothing was reached.
+    """
+    grid = np.unique(np.maximum(costs[np.isfinite(costs)], LEAST))
+    if len(grid) > MOST_POINTS:
+        grid = np.append(np.geomspace(grid[0], grid[-1], MOST_POINTS)[:-1], grid[-1])
+    return Profile(name, grid, ecdf(np.maximum(costs, LEAST), grid))

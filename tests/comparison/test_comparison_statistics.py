@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from study.comparison import statistics
 from study.comparison.claims import against
@@ -30,6 +31,12 @@ def test_signed_rank_by_hand():
     # ranks 1, 2, 3, of which the least is negative: W = 1, patterns with a rank sum of at most 1: {} and {1}, on both sides
     assert statistics.signed_rank([1.0, 5.0, 6.0], [2.0, 3.0, 3.0]) == pytest.approx(4 / 8)
     assert statistics.signed_rank([1, 1], [1, 1]) == 1.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_signed_rank_of_few_pairs_with_ties_is_that_of_all_sign_patterns(seed):
+    first, second = np.random.default_rng(seed).integers(0, 5, size=(2, 7)).astype(float)
+    assert statistics.signed_rank(first, second) == pytest.approx(stats.wilcoxon(first, second).pvalue, rel=1e-12)
 
 
 def test_signed_rank_needs_pairs():

@@ -258,7 +258,7 @@ def test_wall_times_of_what_never_ran_are_blank(look: Open) -> None:
 
 def test_rows_are_filtered(look: Open) -> None:
     page = look("woodworking.html")
-    field = page.locator("label.filter:has(+ .scroll #results-table) input")
+    field = page.locator(".filter:has(+ .scroll #results-table) input")
     rows = page.locator("#results-table tbody tr:not(.group)")
     everything = rows.count()
     field.fill("PSO shared")

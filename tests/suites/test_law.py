@@ -74,10 +74,20 @@ def test_the_page_has_figure_scores_ranks_and_failures(field, tmp_path):
     text = page.read_text()
     assert suite.checksum in text
     assert text.count("<svg") >= 3
-    for said in ("How far methods fall behind", "Scores", "Ranks", "Failures", "woodworking", "worse"):
+    sections = (
+        "Cost to come near",
+        "Cost by size",
+        "Data profiles over evaluations",
+        "Targets reached",
+        "Effect sizes",
+    )
+    for said in ("How far methods fall behind", "Scores", "Ranks", "Failures", "woodworking", "worse", *sections):
         assert said in text
+    chosen = re.findall(r"data-choose[^>]*>([^<]+)<", text)
+    assert chosen == ["Robot", "Task", "Limits", "Segments", "Joints"]
     assert not re.search(r"https?://(?!www.w3.org)", text)
-    assert (tmp_path / "suite" / "runs.parquet").is_file()
+    for name in ("runs", "costs", "effects"):
+        assert (tmp_path / "suite" / f"{name}.parquet").is_file()
 
 
 def test_a_run_of_bounds_alone_has_a_page_too(tmp_path):

@@ -38,16 +38,30 @@ const sortable = (table, say) => {
   });
 };
 
+// Columns to choose a value of; of numbers those up to one are shown.
+const choices = (table, rows) => [...table.tHead.rows[0].cells].flatMap((head, k) => {
+  const value = (row) => row.cells[k].textContent.trim();
+  const values = [...new Set(rows.map(value))].sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
+  if (!head.hasAttribute("data-choose") || values.length < 2) return [];
+  const numeric = values.every((text) => !isNaN(number(text)));
+  const select = make("select", {}, make("option", { value: "", textContent: "all" }), ...values.map((text) => make("option", { value: text, textContent: numeric ? `up to ${text}` : text })));
+  const fits = (row) => !select.value || (numeric ? number(value(row)) <= number(select.value) : value(row) === select.value);
+  return [{ select, fits, label: make("label", {}, `${head.textContent.trim()} `, select) }];
+});
+
 const filtered = (table, say) => {
   const bodies = [...table.tBodies], rows = bodies.flatMap((body) => [...body.rows].filter((row) => !row.classList.contains("group")));
   if (rows.length < 8) return;
   const field = make("input", { type: "search", placeholder: "words that rows must have", autocomplete: "off" });
-  table.parentElement.before(make("label", { className: "filter" }, "Filter ", field));
-  field.addEventListener("input", () => {
+  const chosen = choices(table, rows);
+  const bar = make("div", { className: "filter" }, make("label", {}, "Filter ", field), ...chosen.map((one) => one.label));
+  table.parentElement.before(bar);
+  bar.addEventListener("input", () => {
     const words = field.value.toLowerCase().split(/\s+/).filter(Boolean);
-    for (const row of rows) row.hidden = !words.every((word) => row.textContent.toLowerCase().includes(word));
+    const fits = (row) => chosen.every((one) => one.fits(row)) && words.every((word) => row.textContent.toLowerCase().includes(word));
+    for (const row of rows) row.hidden = !fits(row);
     for (const body of bodies) for (const row of body.querySelectorAll("tr.group")) row.hidden = rows.every((one) => one.parentElement !== body || one.hidden);
-    say(words.length ? `${rows.filter((row) => !row.hidden).length} of ${rows.length} rows shown.` : "");
+    say(rows.some((row) => row.hidden) ? `${rows.filter((row) => !row.hidden).length} of ${rows.length} rows shown.` : "");
   });
 };
 
@@ -207,7 +221,8 @@ class Figure {
     const axis = { stroke: colour("ink"), grid: { stroke: colour("grid"), width: 1 }, ticks: { show: false }, font: "12px system-ui, sans-serif" };
     const ranged = (log, range, room) => range ? { range: () => range } : log ? { range: (u, low, high) => [low / room, high * room] } : {};
     const scale = (log, range, room) => ({ distr: log ? 3 : 1, time: false, ...ranged(log, range, room) });
-    const decades = (u, splits) => splits.map((value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-6 ? value : null);
+    const powers = (u, splits, steps) => splits.map((value) => steps.some((step) => Math.abs(Math.log10(value / step) - Math.round(Math.log10(value / step))) < 1e-6) ? value : null);
+    const decades = (u, splits) => powers(u, splits, powers(u, splits, [1]).filter(Number).length > 1 ? [1] : [1, 2, 5]);
     const only = (log) => log ? { filter: decades, grid: { ...axis.grid, filter: decades } } : {};
     const point = (u, at) => (!spec.bands || at % 3 === 1) && make("div", { style: "width: 8px; height: 8px; margin: -4px 0 0 -4px" });
     const plot = new uPlot({
@@ -275,5 +290,4 @@ const dots = (u, panel) => {
   ctx.restore();
 };
 
-if (window.uPlot) document.documentElement.classList.add("scripted");
 if (window.uPlot) for (const place of document.querySelectorAll("figure:has(> script[type='application/json'])")) place.figure = new Figure(place);

@@ -1,0 +1,188 @@
+"""Tables of a suite, the same on the page, in the terminal and in Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import groupby
+
+import numpy as np
+
+from study.analysis.formatting import DASH, bare_seconds, count, percent, plural, wall
+from study.analysis.tables import Column, Grid, Record, grid, records
+from study.cases.records import ProblemRecords
+from study.cases.suites import Suite
+from study.comparison.tables import p_value, probability
+from study.comparison.targets import target_name
+from study.planning import Freedom
+from study.suites.effects import Effect
+from study.suites.measures import TIMES, Field, Score, shifted_mean
+from study.suites.runs import Run
+from study.suites.targets import TARGETS, Cost
+
+
+def _share(value: float) -> str:
+    return percent(value, signed=False)
+
+
+def _near(number: int) -> Column[Score]:
+    return Column(
+        "", ("Near in" if number == 0 else "in") + f" {TIMES[number]:g} s", lambda score: score.within[number], _share
+    )
+
+
+SCORE_COLUMNS: tuple[Column[Score], ...] = (
+    Column("", "Method", lambda score: score.method),
+    Column("", "Kind", lambda score: score.kind),
+    Column("", "Feasible", lambda score: f"{score.feasible}/{score.runs}"),
+    Column("", "Gap", lambda score: score.gap_any, percent),
+    Column("", "Own kind", lambda score: score.gap_own, percent),
+    *(_near(number) for number in range(len(TIMES))),
+    Column("", "Median time", lambda score: score.wall_time, wall),
+    Column("", "Failures", lambda score: ", ".join(f"{n} {reason}" for reason, n in score.failures.items())),
+)
+
+
+def score_grid(ranked: Sequence[Score]) -> Grid:
+    """Table of scores; failures count in every number of it."""
+    return grid("Every method over the suite, the nearest first.", SCORE_COLUMNS, ranked, names=2)
+
+
+def _to(number: int) -> Column[Cost]:
+    return Column("", f"To {target_name(TARGETS[number])}", lambda cost: _cost(cost, number))
+
+
+def _cost(cost: Cost, number: int) -> str:
+    if not cost.reached[number]:
+        return "never"
+    evaluations = cost.evaluations[number]
+    seconds = wall(cost.seconds[number])
+    return f"{count(np.ceil(evaluations))} · {seconds}" if evaluations else seconds
+
+
+COST_COLUMNS: tuple[Column[Cost], ...] = (
+    Column("", "Method", lambda cost: cost.method),
+    Column("", "Segments", lambda cost: cost.segments),
+    Column("", "Reached 1 %", lambda cost: cost.reached[TARGETS.index(0.01)], _share),
+    *(_to(number) for number in range(len(TARGETS))),
+)
+
+
+def cost_grid(costs: Sequence[Cost]) -> Grid:
+    """Expected cost of every method to come near, the cheapest to 1 % first; of all sizes, or a row for each size."""
+    sized = any(cost.segments for cost in costs)
+    columns = COST_COLUMNS if sized else tuple(column for column in COST_COLUMNS if column.head != "Segments")
+    unit = "evaluations" if sized else "evaluations per segment"
+    ranked = sorted(costs, key=lambda cost: (cost.segments, cost.seconds[TARGETS.index(0.01)], cost.method))
+    caption = (
+        f"Expected {unit} and wall time to come so near to the best known of the method's own kind, all failed runs counted; a planner "
+        "without a search has wall time alone."
+    )
+    return grid(caption, columns, ranked)
+
+
+COST_FILE: tuple[Column[tuple[Cost, int]], ...] = (
+    Column("method", "", lambda row: row[0].method),
+    Column("segments", "", lambda row: row[0].segments or None),
+    Column("runs", "", lambda row: row[0].runs),
+    Column("target", "", lambda row: TARGETS[row[1]]),
+    Column("reached", "", lambda row: row[0].reached[row[1]]),
+    Column("expected_evaluations", "", lambda row: row[0].evaluations[row[1]] if row[0].segments else None),
+    Column("expected_evaluations_per_segment", "", lambda row: row[0].evaluations[row[1]] / (row[0].segments or 1)),
+    Column("expected_seconds", "", lambda row: row[0].seconds[row[1]]),
+)
+
+
+def cost_records(costs: Sequence[Cost]) -> list[Record]:
+    """Costs as rows of a file, one for every target; empty where no run reached it."""
+    return records(COST_FILE, [(cost, target) for cost in costs for target in range(len(TARGETS))])
+
+
+EFFECT_COLUMNS: tuple[Column[Effect], ...] = (
+    Column("", "Method", lambda effect: effect.method),
+    Column("", "Problems", lambda effect: effect.problems),
+    Column("", "A12", lambda e: f"{e.a12.estimate:.2f} [{e.a12.lower:.2f}, {e.a12.upper:.2f}]"),
+    Column("", "Delta", lambda effect: f"{effect.delta:+.2f}".replace("-", "−")),
+    Column("", "Much better", lambda effect: effect.better),
+    Column("", "Much worse", lambda effect: effect.worse),
+    Column("", "p (Holm)", lambda effect: effect.p, p_value),
+)
+
+
+def effect_grid(effects: Sequence[Effect], control: str) -> Grid:
+    """Effect sizes against a control."""
+    caption = (
+        f"Against {control}: probability that a run is shorter (A12, mean over problems, 95 % interval over problems), Cliff's delta, "
+        "problems on which A12 is at least 0.71 or at most 0.29, and the signed rank test over problems."
+    )
+    return grid(caption, EFFECT_COLUMNS, effects)
+
+
+def effect_matrix(effects: Sequence[Effect], methods: Sequence[str]) -> Grid:
+    """Mean A12 of the method of each row against that of each column."""
+    pairs = {(each.method, each.other): each for effect in effects for each in (effect, effect.reversed())}
+
+    def cell(row: str, column: str) -> str:
+        effect = pairs.get((row, column))
+        return DASH if effect is None else probability(effect.a12.estimate) + "*" * effect.significant
+
+    numbers = [f"{k}" for k in range(1, len(methods) + 1)]
+    rows = [
+        [f"{k}. {row}", *(cell(row, column) for column in methods)] for k, row in zip(numbers, methods, strict=True)
+    ]
+    caption = (
+        "Probability that a run of the row's method is shorter than one of the column's, mean over problems; * where the signed rank "
+        "test over problems tells them apart at 5 %, adjusted by Holm for all pairs."
+    )
+    return Grid(caption, ["Method", *numbers], rows)
+
+
+def trait_grid(field: Field, name: str, trait: Callable[[Run], str]) -> Grid:
+    """Gap of every method by a trait of the problems."""
+    values = sorted({trait(run) for run in field.runs})
+    rows = []
+    for method, runs in field.by_method.items():
+        groups = {key: list(group) for key, group in groupby(sorted(runs, key=trait), trait)}
+        means = [
+            shifted_mean([field.gap(run, own_kind=False) for run in groups[each]]) if each in groups else None
+            for each in values
+        ]
+        rows.append([method, *map(percent, means)])
+    return Grid(f"Gap to the best known of any kind, by {name}.", ["Method", *values], rows)
+
+
+def traits(suite: Suite) -> dict[str, Callable[[Run], str]]:
+    """Traits of a run's problem by name."""
+    known: dict[str, Callable[[Run], str]] = {
+        "joints": lambda run: plural(run.joints, "joint"),
+        "limits": lambda run: "jerk too" if run.jerk else "no jerk",
+    }
+    if suite.problems:
+        known |= {
+            "task": lambda run: suite.problems[run.problem].tags[0],
+            "robot": lambda run: suite.problems[run.problem].robot or "no robot",
+        }
+    return known
+
+
+CHOICES: Mapping[str, str] = {"robot": "Robot", "task": "Task", "limits": "Limits"}
+"""Traits that the table of problems has a column of, each to choose from, and its head."""
+
+
+def best_grid(suite: Suite, field: Field, known: Mapping[str, ProblemRecords]) -> Grid:
+    """Best known time of every problem by kind of motion, and the proved bound, with traits to choose problems by."""
+    bounds = {name: each.bound or 0.0 for name, each in known.items()}
+    for run in field.runs:
+        bounds[run.problem] = max(bounds.get(run.problem, 0.0), run.bound if run.kind == "bound" else 0.0)
+    known_traits = traits(suite)
+    named = {head: known_traits[name] for name, head in CHOICES.items() if name in known_traits}
+    rows = []
+    for name, run in sorted({run.problem: run for run in field.runs}.items()):
+        times = [bare_seconds(field.best.get((name, str(kind)))) for kind in Freedom]
+        bound, best = bounds.get(name, 0.0), field.best_of_any.get(name)
+        above = percent(best / bound - 1.0) if best and bound else percent(None)
+        about = [trait(run) for trait in named.values()]
+        short = name.removeprefix(f"{suite.name}:")
+        rows.append([short, *about, str(run.segments), str(run.joints), *times, bare_seconds(bound or None), above])
+    head = ["Problem", *named, "Segments", "Joints", *(f"{kind}, s" for kind in Freedom), "Bound, s", "Above it"]
+    caption = "Best known times and the proved bound of any motion."
+    return Grid(caption, head, rows, names=1 + len(named), choices=(*named, "Segments", "Joints"))
