@@ -159,7 +159,7 @@ def save_motion(case: Case, motion: Motion, files: Sequence[Path], sampling: Sam
     for path in files:
         write_motion(motion, case.problem, path, sampling, accept_unbounded_acceleration=accept)
     times = sampling.times(motion, case.problem)
-    through = joined(points_of(motion, case.problem, times), case.problem, "the samples")
+    through = joined(points_of(motion, case.problem, times), case.problem, "the samples", passing=motion.waypoint_times)
     share = judge(case.problem, through.trajectory).worst_ratio
     said = {"files": "\n".join(map(str, files)), "samples": f"{len(times)} samples; {through.method}"}
     unnamed = [name for j, name in enumerate(case.problem.joint_names) if name == f"joint {j + 1}"]

@@ -14,7 +14,7 @@ from study.errors import StudyError
 from study.io.text import read_text
 
 MOST_STANDING = 1_000_000
-"""Values that all aliases of a document may stand for together."""
+"""Values that a YAML document may hold, and that all its aliases may stand for together; a million take half a gigabyte."""
 
 DEEPEST = 100
 """Levels of lists and mappings in one another that are read."""
@@ -144,6 +144,8 @@ def _check(events: Iterator[Any]) -> None:
         if standing > MOST_STANDING:
             line = event.start_mark.line + 1
             raise ValueError(f"the alias at line {line} stands for too many values; write them out")
+        if count > MOST_STANDING:
+            raise ValueError(f"it holds more than {MOST_STANDING:,} values; JSON and CSV hold more, in less memory")
 
 
 @cache

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
+from numpy.typing import NDArray
 
 from study import polynomial
 from study.errors import StudyError
@@ -12,6 +15,11 @@ _FINER = 5
 """Times that a grid of 200 instants is laid between the neighbours of its best one."""
 
 _NEAREST = 64  # pieces looked at for each waypoint
+
+_LARGE = 10_000_000
+"""Waypoints times pieces above which a tree finds the pieces."""
+
+_TOGETHER = 256  # waypoints of a large motion that are looked for at once
 FARTHEST = 1e150
 """Spans of the waypoints that a motion may be away from them; squares of larger distances are no numbers any more."""
 
@@ -49,8 +57,15 @@ def passages(knots: Floats, coefficients: Floats, waypoints: Floats, tolerances:
         raise StudyError(
             f"the motion is more than {FARTHEST:g} times the waypoints' span away from them; check its numbers"
         )
-    targets = waypoints / np.where(span > 0, span, 1.0)
-    closest = [_closest(knots, widths, unit, target) for target in targets[1:-1]]
+    targets = (waypoints / np.where(span > 0, span, 1.0))[1:-1]
+    large = len(targets) * len(widths) > _LARGE
+    near = _found_by_tree(unit, targets) if large else [_nearest(unit, target)[None] for target in targets]
+    step = _TOGETHER if large else 1
+    closest = [
+        passage
+        for k, pieces in zip(range(0, len(targets), step), near, strict=True)
+        for passage in _closest(knots, widths, unit, pieces, targets[k : k + step])
+    ]
     times = np.array([knots[0], *_in_order(closest), knots[-1]])
     return (
         times
@@ -80,17 +95,35 @@ def _inside(knots: Floats, coefficients: Floats, waypoints: Floats, tolerances: 
     return moved
 
 
-def _closest(knots: Floats, widths: Floats, unit: Floats, target: Floats) -> tuple[Floats, Floats]:
-    """Times of the closest passages of one waypoint in time order, and the distances there."""
-    offset = unit.copy()
-    offset[:, :, 0] -= target
-    distance = np.linalg.norm(offset[:, :, 0], axis=1)
-    near = np.sort(np.argsort(distance + np.append(distance[1:], distance[-1]), kind="stable")[:_NEAREST])
-    slope = polynomial.product(offset[near], polynomial.derivative(offset[near])).sum(axis=1)
-    points = np.sort(np.pad(polynomial.roots(slope), ((0, 0), (1, 1)), constant_values=((0, 0), (0, 1))), axis=1)
-    there = polynomial.value(offset[near][:, :, None, :], points[:, None, :])
-    times = knots[near][:, None] + points * widths[near][:, None]
-    return times.ravel(), np.linalg.norm(there, axis=1).ravel()
+def _nearest(unit: Floats, target: Floats) -> NDArray[np.intp]:
+    """Pieces whose ends lie nearest to one waypoint, in time order."""
+    distance = np.linalg.norm(unit[:, :, 0] - target, axis=1)
+    return np.sort(np.argsort(distance + np.append(distance[1:], distance[-1]), kind="stable")[:_NEAREST])
+
+
+def _found_by_tree(unit: Floats, targets: Floats) -> Iterator[NDArray[np.intp]]:
+    """The same for many waypoints, `_TOGETHER` at a time, shape (n, pieces): both ends of a piece are one point of a tree."""
+    from scipy.spatial import KDTree  # here: slow to import
+
+    starts = unit[:, :, 0]
+    tree = KDTree(np.hstack([starts, np.vstack([starts[1:], starts[-1:]])]))
+    for k in range(0, len(targets), _TOGETHER):
+        yield np.sort(tree.query(np.tile(targets[k : k + _TOGETHER], 2), k=min(_NEAREST, len(starts)))[1], axis=1)
+
+
+def _closest(
+    knots: Floats, widths: Floats, unit: Floats, near: NDArray[np.intp], targets: Floats
+) -> list[tuple[Floats, Floats]]:
+    """Times of the closest passages of waypoints on pieces near to each, in time order, and the distances there."""
+    offset = unit[near]
+    offset[..., 0] -= targets[:, None]
+    slope = polynomial.product(offset, polynomial.derivative(offset)).sum(axis=2)
+    ends = np.zeros((*near.shape, 1))
+    points = np.sort(np.concatenate([ends, polynomial.roots(slope), ends + 1.0], axis=-1), axis=-1)
+    there = polynomial.value(offset[..., None, :], points[:, :, None, :])
+    times = knots[near][..., None] + points * widths[near][..., None]
+    distances = np.linalg.norm(there, axis=2)
+    return list(zip(times.reshape(len(near), -1), distances.reshape(len(near), -1), strict=True))
 
 
 def _in_order(closest: list[tuple[Floats, Floats]]) -> list[float]:
@@ -99,7 +132,8 @@ def _in_order(closest: list[tuple[Floats, Floats]]) -> list[float]:
     before = np.array([-np.inf])
     for times, distances in closest:
         running = np.minimum.accumulate(totals)
-        best = np.array([int(np.flatnonzero(totals[: i + 1] == running[i])[0]) for i in range(len(totals))])
+        lower = np.append(True, running[1:] < running[:-1])
+        best = np.maximum.accumulate(np.where(lower, np.arange(len(totals)), 0))
         last = np.searchsorted(before, times, side="right") - 1
         reachable = last >= 0
         choices.append(np.where(reachable, best[last], -1))

@@ -46,7 +46,13 @@ class SampledMotion:
     method: str
 
 
-def joined(samples: Samples, problem: Problem, where: str, interpolation: Interpolation | None = None) -> SampledMotion:
+def joined(
+    samples: Samples,
+    problem: Problem,
+    where: str,
+    interpolation: Interpolation | None = None,
+    passing: Floats | None = None,
+) -> SampledMotion:
     """Join samples by polynomials.
 
     Parameters
@@ -59,11 +65,12 @@ def joined(samples: Samples, problem: Problem, where: str, interpolation: Interp
     interpolation : Interpolation, optional
         By default positions alone make a cubic spline with continuous acceleration, positions and velocities a cubic, and
         accelerations too a quintic Hermite polynomial between samples.
+    passing : array of shape (n_waypoints,), s, optional
+        When the waypoints are passed; by default where the motion comes closest to them, in their order.
 
     Returns
     -------
     SampledMotion
-        Waypoints are passed where the motion comes closest to them, in their order.
 
     Raises
     ------
@@ -85,9 +92,9 @@ def joined(samples: Samples, problem: Problem, where: str, interpolation: Interp
         raise StudyError(
             f"{where}: these samples cannot be joined in finite numbers; look for steps in positions or times"
         )
-    return SampledMotion(
-        Trajectory(times, coefficients, passages(times, coefficients, problem.waypoints, problem.tolerances)), said
-    )
+    if passing is None:
+        passing = passages(times, coefficients, problem.waypoints, problem.tolerances)
+    return SampledMotion(Trajectory(times, coefficients, passing), said)
 
 
 def _times(samples: Samples, where: str) -> Floats:

@@ -11,6 +11,9 @@ from pathlib import Path
 from study.errors import StudyError
 from study.io.text import read_text
 
+MOST_BYTES = 32 * 2**20
+"""Largest file that is read; its elements take fifteen times as much memory."""
+
 DEEPEST = 200
 """Levels of elements in one another that are read."""
 
@@ -39,7 +42,7 @@ def read_xml(path: Path) -> ET.Element:
         If the file cannot be read, is not XML, declares a DOCTYPE, is nested too deeply, or holds xacro macros while the
         package xacro is missing or fails.
     """
-    text, where = read_text(path), f"file {path.name!r}"
+    text, where = read_text(path, MOST_BYTES), f"file {path.name!r}"
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise StudyError(f"{where} declares a DOCTYPE; remove it, URDF needs none")
     root = _root(text, where)

@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 import yaml
+from scipy.interpolate import CubicSpline
 
 from study.errors import StudyError
-from study.io import csv_file, documents
+from study.io import csv_file, documents, xml_file
+from study.io import passages as passages_of
 from study.io.recordings import read_samples
 from study.io.table import plain_table, separator, table_lines
 from study.io.waypoints import tidied
+from study.trajectory import Trajectory
 
 ROWS = 300_000
 HEADER = "time," + ",".join(f"axis {j}" for j in range(7))
@@ -106,3 +109,34 @@ def test_a_yaml_text_is_parsed_once_for_all_who_ask(tmp_path, monkeypatch):
     assert len(calls) == 1
     path.write_text("rows: [[1.5, 3.5]]\n")
     assert documents.parsed(path) == {"rows": [[1.5, 3.5]]}
+
+
+def test_yaml_of_too_many_values_is_refused_with_the_way_out(tmp_path, monkeypatch):
+    monkeypatch.setattr(documents, "MOST_STANDING", 50)
+    path = tmp_path / "big.yaml"
+    path.write_text("[" + "1, " * 39 + "1]\n")
+    assert len(documents.parsed(path)) == 40
+    path.write_text("[" + "1, " * 60 + "1]\n")
+    with pytest.raises(StudyError, match="more than 50 values; JSON and CSV hold more"):
+        documents.parsed(path)
+
+
+def test_xml_has_a_size_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.setattr(xml_file, "MOST_BYTES", 100)
+    path = tmp_path / "robot.urdf"
+    path.write_text("<robot name='a'>" + " " * 100 + "</robot>")
+    with pytest.raises(StudyError, match="larger than"):
+        xml_file.read_xml(path)
+
+
+def test_passages_of_many_waypoints_are_found_by_a_tree(monkeypatch):
+    rng = np.random.default_rng(3)
+    knots = np.append(0.0, np.cumsum(rng.uniform(0.1, 0.2, 400)))
+    coefficients = np.moveaxis(CubicSpline(knots, np.cumsum(rng.normal(size=(401, 3)), axis=0)).c[::-1], 0, 1)
+    times = np.sort(rng.uniform(0, knots[-1], 120))
+    times[[0, -1]] = knots[[0, -1]]
+    waypoints = Trajectory(knots, coefficients, times)(times)
+    one_by_one = passages_of.passages(knots, coefficients, waypoints)
+    monkeypatch.setattr(passages_of, "_LARGE", 1)
+    assert np.allclose(passages_of.passages(knots, coefficients, waypoints), one_by_one, atol=1e-9)
+    assert np.allclose(one_by_one, times, atol=1e-9)
