@@ -27,6 +27,7 @@ from study.cli.main import commands_with_names
 from study.registry import method_named, method_names
 from study.suites.law import committed_law
 from study.suites.records import records_table
+from study.suites.tables import results_in_markdown
 
 
 def on_page_markdown(markdown: str, **kwargs: Any) -> str:
@@ -46,10 +47,11 @@ def on_page_markdown(markdown: str, **kwargs: Any) -> str:
         if f"<!-- {mark} -->" in markdown:
             markdown = markdown.replace(f"<!-- {mark} -->", part())
     markdown = re.sub(r"<!-- options: (.*) -->", lambda mark: _options(mark[1]), markdown)
-    if "$" not in markdown or kwargs["page"].file.name not in ("mathematics", "searches"):
+    markdown = re.sub(r"<!-- results: (.*) -->", lambda mark: results_in_markdown(suite_named(mark[1])), markdown)
+    if "$" not in markdown or kwargs["page"].file.name not in ("mathematics", "searches", "suites"):
         return markdown
     markdown = re.sub(r"\$\$(.+?)\$\$", lambda found: _formula(found[1], "block"), markdown, flags=re.DOTALL)
-    markdown = re.sub(r"\n\$", " $", markdown)  # a line that begins with a formula would count as a block of HTML
+    markdown = re.sub(r"\n *\$", " $", markdown)  # a line that begins with a formula would count as a block of HTML
     return re.sub(r"\$(.+?)\$", lambda found: _formula(found[1], "inline"), markdown, flags=re.DOTALL)
 
 

@@ -75,6 +75,32 @@ def law(name: Annotated[str, typer.Argument(metavar="SUITE", help="A suite of gr
 
 
 @suite_app.command()
+def results(name: Name) -> None:
+    """Print the committed results of a suite as tables in Markdown: scores, the cost to come near, and effect sizes."""
+    from study.suites.tables import results_in_markdown  # here: its packages are slow to import
+
+    print(results_in_markdown(suite_named(name)))
+
+
+@suite_app.command()
+def export(
+    name: Name,
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Where to write; made if need be.")],
+    to: Annotated[
+        str, typer.Option(metavar="ioh|coco|parquet", help="IOHprofiler's files, a COCO archive, or one table.")
+    ],
+    own: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT", help="Output folder of your own run, in the place of the committed runs."),
+    ] = None,
+) -> None:
+    """Write the runs of a suite as other benchmarking platforms read them."""
+    from study.cli.suite_run import exported  # here: its measures are slow to import
+
+    print(exported(name, to, folder, own))
+
+
+@suite_app.command()
 def keep(out: Out = DEFAULT_OUT) -> None:
     """Take the last run of a suite into the data: its runs as a Parquet file, and what is better than the records."""
     from study.cli.suite_run import kept_run  # here: its measures are slow to import

@@ -38,16 +38,16 @@ from study.runs.execute import cell_jobs, stored_results
 from study.runs.remembered import remember_lineup
 from study.store.results import Result
 from study.store.store import Store
-from study.suites.effects import against, control_of, effects, featured
+from study.suites.export import Platform, export
+from study.suites.law import committed_field
 from study.suites.lineups import Lineup, chosen_cases, given_lineup, lineup_named, suite_cells, usual_lineup
-from study.suites.measures import Field, best_in, scores
+from study.suites.measures import Field, best_in
 from study.suites.page import write_page
 from study.suites.papers import papers_marks
 from study.suites.records import contradictions, improved, records_text
 from study.suites.runs import Run, runs_file, runs_of, write_runs
 from study.suites.submission import ENDING, record_text, submission
-from study.suites.tables import cost_grid, effect_grid, score_grid
-from study.suites.targets import costs
+from study.suites.tables import result_grids
 
 
 @dataclass(frozen=True)
@@ -149,13 +149,14 @@ def show_suite(
     runs = runs_of(results, cases)
     if not runs:
         raise StudyError(f"no stored result belongs to suite {suite.name!r}; run `study run --suite {suite.name}`")
-    field = Field(tuple(runs), best_in(runs, known_times(suite)))
+    field = _field(suite, runs)
     with console.status("writing the page"):
         page = write_page(suite, field, records_of(suite), papers_marks(), out / "report" / "suite", environment())
         write_pages(out, audit_flags(out))
     with console.paged():
-        for each in result_tables(console, suite, field):
-            console.print(each)
+        console.print(f"suite {suite.name}, checksum {suite.checksum}")
+        for table in result_grids(field):
+            console.print(grid_table(console, table))
         console.print(bound_line(runs, field), f"page: {page}", sep="\n")
 
 
@@ -212,28 +213,34 @@ def submitted(file: Path, problem: str, by: str, units: str | None, out: Path | 
     return True
 
 
-def result_tables(console: SafeConsole, suite: Suite, field: Field) -> list[Table]:
-    """Tables of scores, of the cost to come near, and of effect sizes."""
-    ranked = scores(field)
-    title = f"Suite {suite.name}, checksum {suite.checksum}"
-    give = ("in 10 s", "Near in 0.1 s", "Kind", "Own kind", "Median time")
-    tables = [grid_table(console, title, score_grid(ranked), "Failures", give)]
-    if ranked:
-        title = "Expected evaluations per segment and wall time to come so near to the best known of the own kind"
-        tables.append(grid_table(console, title, cost_grid(costs(field)), gives_way=("To 10 %", "To 0.01 %")))
-    shown = featured(field, ranked)
-    if len(shown) > 1:
-        control = control_of(field, shown)
-        own = against(effects(field, shown), control)
-        title = f"Probability that a run is shorter than one of {control} (A12), and the test over problems"
-        tables.append(grid_table(console, title, effect_grid(own, control), gives_way=("Delta", "Problems")))
-    return tables
+GIVES_WAY = ("in 10 s", "Near in 0.1 s", "Kind", "Own kind", "Median time", "To 10 %", "To 0.01 %", "Delta", "Problems")
+"""Columns that are left out, one after the other, where the terminal is narrow."""
 
 
-def grid_table(console: SafeConsole, title: str, table: Grid, wraps: str = "", gives_way: Sequence[str] = ()) -> Table:
+def grid_table(console: SafeConsole, table: Grid) -> Table:
     """Table of the page as the terminal shows it."""
     rows = [[str(cell) for cell in row] for row in table.rows]
-    return fitted(console, title, table.head, rows, (*table.head[: table.names], wraps), (wraps,), gives_way)
+    names = (*table.head[: table.names], "Failures")
+    gives_way = [name for name in GIVES_WAY if name in table.head]
+    return fitted(console, table.caption, table.head, rows, names, ("Failures",), gives_way)
+
+
+def exported(name: str, to: str, folder: Path, own: Path | None) -> str:
+    """Write committed runs of a suite, or those of one's own last run, in another platform's format; a sentence on it."""
+    suite, platform = suite_named(name), Platform(to)
+    if own is None:
+        field = committed_field(suite)
+    else:
+        if suite_of_last_run(own).name != suite.name:
+            raise StudyError(f"the last run in {own} was of suite {suite_of_last_run(own).name!r}, not {name!r}")
+        cases, results = _last_of(suite, own)
+        field = _field(suite, runs_of(results, cases))
+    files = export(suite, field, platform, folder)
+    return f"{plural(len(field.runs), 'run')} of suite {name!r} written for {platform}: {plural(len(files), 'file')} in {folder}"
+
+
+def _field(suite: Suite, runs: Sequence[Run]) -> Field:
+    return Field(tuple(runs), best_in(runs, known_times(suite)))
 
 
 def bound_line(runs: Sequence[Run], field: Field) -> str:

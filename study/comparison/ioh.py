@@ -61,7 +61,7 @@ def _write(folder: Path, contestant: Contestant, number: int, dimension: int, wo
     name, case = file_stem(f"{contestant.planner}-{contestant.level}"), file_stem(contestant.case)
     data = Path(f"data_f{number}_{case}") / f"IOHprofiler_f{number}_DIM{dimension}.dat"
     home = folder / name
-    rows = [_rows(history, worst) for history in contestant.histories]
+    rows = [from_first_evaluation(history, worst) for history in contestant.histories]
     write_file(home / data, "".join(_block(run) for run in rows))
     runs = [
         {"instance": seed + 1, "evals": int(spent), "best": {"evals": int(run[-1, 0]), "y": float(run[-1, 1]), "x": []}}
@@ -82,8 +82,8 @@ def _write(folder: Path, contestant: Contestant, number: int, dimension: int, wo
     return write_file(path, json.dumps(document, indent=1))
 
 
-def _rows(history: Floats, worst: float) -> Floats:
-    """Improvements of one run from evaluation 1 on, shape (n_rows, 2)."""
+def from_first_evaluation(history: Floats, worst: float) -> Floats:
+    """Improvements of one run from evaluation 1 on, where the worst value stands if nothing is known, shape (n_rows, 2)."""
     known = history[np.isfinite(history[:, 1])]
     improving = np.concatenate([[True], np.diff(known[:, 1]) < 0]) if len(known) else np.empty(0, dtype=bool)
     rows = known[improving]

@@ -8,16 +8,17 @@ from itertools import groupby
 import numpy as np
 
 from study.analysis.formatting import DASH, bare_seconds, count, percent, plural, wall
-from study.analysis.tables import Column, Grid, Record, grid, records
+from study.analysis.tables import Column, Grid, Record, grid, markdown, records
 from study.cases.records import ProblemRecords
 from study.cases.suites import Suite
 from study.comparison.tables import p_value, probability
 from study.comparison.targets import target_name
 from study.planning import Freedom
-from study.suites.effects import Effect
-from study.suites.measures import TIMES, Field, Score, shifted_mean
+from study.suites.effects import Effect, against, control_of, effects, featured
+from study.suites.law import committed_field
+from study.suites.measures import TIMES, Field, Score, scores, shifted_mean
 from study.suites.runs import Run
-from study.suites.targets import TARGETS, Cost
+from study.suites.targets import TARGETS, Cost, costs
 
 
 def _share(value: float) -> str:
@@ -67,12 +68,12 @@ COST_COLUMNS: tuple[Column[Cost], ...] = (
 )
 
 
-def cost_grid(costs: Sequence[Cost]) -> Grid:
+def cost_grid(every: Sequence[Cost]) -> Grid:
     """Expected cost of every method to come near, the cheapest to 1 % first; of all sizes, or a row for each size."""
-    sized = any(cost.segments for cost in costs)
+    sized = any(cost.segments for cost in every)
     columns = COST_COLUMNS if sized else tuple(column for column in COST_COLUMNS if column.head != "Segments")
     unit = "evaluations" if sized else "evaluations per segment"
-    ranked = sorted(costs, key=lambda cost: (cost.segments, cost.seconds[TARGETS.index(0.01)], cost.method))
+    ranked = sorted(every, key=lambda cost: (cost.segments, cost.seconds[TARGETS.index(0.01)], cost.method))
     caption = (
         f"Expected {unit} and wall time to come so near to the best known of the method's own kind, all failed runs counted; a planner "
         "without a search has wall time alone."
@@ -92,9 +93,9 @@ COST_FILE: tuple[Column[tuple[Cost, int]], ...] = (
 )
 
 
-def cost_records(costs: Sequence[Cost]) -> list[Record]:
+def cost_records(every: Sequence[Cost]) -> list[Record]:
     """Costs as rows of a file, one for every target; empty where no run reached it."""
-    return records(COST_FILE, [(cost, target) for cost in costs for target in range(len(TARGETS))])
+    return records(COST_FILE, [(cost, target) for cost in every for target in range(len(TARGETS))])
 
 
 EFFECT_COLUMNS: tuple[Column[Effect], ...] = (
@@ -108,18 +109,18 @@ EFFECT_COLUMNS: tuple[Column[Effect], ...] = (
 )
 
 
-def effect_grid(effects: Sequence[Effect], control: str) -> Grid:
+def effect_grid(every: Sequence[Effect], control: str) -> Grid:
     """Effect sizes against a control."""
     caption = (
         f"Against {control}: probability that a run is shorter (A12, mean over problems, 95 % interval over problems), Cliff's delta, "
         "problems on which A12 is at least 0.71 or at most 0.29, and the signed rank test over problems."
     )
-    return grid(caption, EFFECT_COLUMNS, effects)
+    return grid(caption, EFFECT_COLUMNS, every)
 
 
-def effect_matrix(effects: Sequence[Effect], methods: Sequence[str]) -> Grid:
+def effect_matrix(every: Sequence[Effect], methods: Sequence[str]) -> Grid:
     """Mean A12 of the method of each row against that of each column."""
-    pairs = {(each.method, each.other): each for effect in effects for each in (effect, effect.reversed())}
+    pairs = {(each.method, each.other): each for effect in every for each in (effect, effect.reversed())}
 
     def cell(row: str, column: str) -> str:
         effect = pairs.get((row, column))
@@ -186,3 +187,21 @@ def best_grid(suite: Suite, field: Field, known: Mapping[str, ProblemRecords]) -
     head = ["Problem", *named, "Segments", "Joints", *(f"{kind}, s" for kind in Freedom), "Bound, s", "Above it"]
     caption = "Best known times and the proved bound of any motion."
     return Grid(caption, head, rows, names=1 + len(named), choices=(*named, "Segments", "Joints"))
+
+
+def result_grids(field: Field) -> list[Grid]:
+    """Tables of scores, of the cost to come near, and of effect sizes against a control."""
+    ranked = scores(field)
+    shown = featured(field, ranked)
+    control = control_of(field, shown)
+    tables = [
+        score_grid(ranked),
+        cost_grid(costs(field)),
+        effect_grid(against(effects(field, shown), control), control),
+    ]
+    return [table for table in tables if table.rows]
+
+
+def results_in_markdown(suite: Suite) -> str:
+    """Write the committed results of a suite as tables with their captions."""
+    return "\n\n".join(f"{table.caption}\n\n{markdown(table)}" for table in result_grids(committed_field(suite)))
