@@ -19,7 +19,7 @@ import numpy as np
 from study.deadline import record_cut
 from study.problem import Floats
 
-__all__ = ["Ipopt", "Solution", "alone", "ca"]
+__all__ = ["Ipopt", "Solution", "alone", "ca", "drop"]
 
 QUIET = {"print_level": 0, "sb": "yes"}
 SHORTEST, LONGEST = 1e-3, 1e6
@@ -38,6 +38,11 @@ def alone() -> Iterator[None]:
     with _LOCK:
         _DROPPED.clear()
         yield
+
+
+def drop(thing: Any) -> None:
+    """Leave something that holds CasADi objects to the next thread that has the lock."""
+    _DROPPED.append(thing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,4 +100,4 @@ class Ipopt:
         return Solution(x, warm, bool(stats["success"]), str(stats["return_status"]), int(stats["iter_count"]))
 
     def __del__(self) -> None:
-        _DROPPED.append(self._solver)
+        drop(self._solver)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
-from baselines.ipopt import Ipopt, alone
+from baselines.ipopt import Ipopt, alone, drop
 from baselines.segment_times.critical_points import Critical, Slots
 from study.problem import Floats, Problem
 
@@ -114,6 +114,12 @@ class Model:
     def _solver(self, more: dict[str, Any]) -> Ipopt:
         return Ipopt(self._problem, OPTIONS | more, self._time_limit)
 
+    def __del__(self) -> None:
+        drop(vars(self).copy())
+
+
+MOST_MODELS = 8
+"""Models that are kept, those used last: one of 200 waypoints takes 30 MB."""
 
 _MODELS: dict[tuple[Any, ...], Model] = {}
 
@@ -122,6 +128,8 @@ _MODELS: dict[tuple[Any, ...], Model] = {}
 def model_of(family: Family, time_limit: float) -> Model:
     """Build a family's model, or take the one built before."""
     key = (*family.key, time_limit)
-    if key not in _MODELS:
-        _MODELS[key] = Model(family, time_limit)
-    return _MODELS[key]
+    model = _MODELS.pop(key, None) or Model(family, time_limit)
+    _MODELS[key] = model
+    if len(_MODELS) > MOST_MODELS:
+        del _MODELS[next(iter(_MODELS))]
+    return model

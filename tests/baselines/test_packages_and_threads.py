@@ -13,6 +13,8 @@ for name, reason in unavailable_planners().items():
 
 TOGETHER = """
 import threading
+from baselines.segment_times import model
+model.MOST_MODELS = 1  # threads drop one another's models
 from study.planning import RunSettings
 from study.registry import planner_named
 from study.testing.conformance import example_problems

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from baselines.segment_times import model
 from baselines.segment_times.bspline_curve import velocity_bound
 from baselines.segment_times.critical_points import NEAR, Critical, Slots, polynomial_critical
 from baselines.segment_times.nlp import CasadiNlp, optimise
 from baselines.segment_times.starts import starts
-from study import EndCondition, Problem, StudyError, judge
+from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.curves import CURVES
 from study.formulation import Scaled
 from study.planning import RunSettings, Status
@@ -192,3 +193,12 @@ def test_only_true_peaks_bend() -> None:
             assert rate[2] - rate[0] == pytest.approx(0.0, abs=1e-7)
             curvature = (rate[2] - 2 * rate[1] + rate[0]) / step**2
             assert critical.corrections[piece, joint, k] == pytest.approx(0.5 / curvature, rel=1e-3)
+
+
+def test_only_the_models_used_last_are_kept(monkeypatch):
+    monkeypatch.setattr(model, "_MODELS", {})
+    monkeypatch.setattr(model, "MOST_MODELS", 2)
+    for n_waypoints in (3, 4, 3, 5, 3):
+        problem = Problem("small", np.arange(n_waypoints)[:, None] % 2, JointLimits([1.0], [1.0]))
+        assert CasadiNlp().plan(problem, RunSettings("cubic-spline")).motion is not None
+    assert len(model._MODELS) == 2
