@@ -101,7 +101,10 @@ def grid(
 def markdown(table: Grid) -> str:
     """Write a table in Markdown."""
     align = ["---"] * table.names + ["---:"] * (len(table.head) - table.names)
-    return "\n".join("| " + " | ".join(map(str, cells)) + " |" for cells in [table.head, align, *table.rows])
+    return "\n".join(
+        "| " + " | ".join(str(cell).replace("\n", ", ") for cell in cells) + " |"
+        for cells in [table.head, align, *table.rows]
+    )
 
 
 def bare(value: Any) -> Value:

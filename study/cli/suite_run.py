@@ -219,7 +219,7 @@ GIVES_WAY = ("in 10 s", "Near in 0.1 s", "Kind", "Own kind", "Median time", "To 
 
 def grid_table(console: SafeConsole, table: Grid) -> Table:
     """Table of the page as the terminal shows it."""
-    rows = [[str(cell) for cell in row] for row in table.rows]
+    rows = [[str(cell).replace("\n", ", ") for cell in row] for row in table.rows]
     names = (*table.head[: table.names], "Failures")
     gives_way = [name for name in GIVES_WAY if name in table.head]
     return fitted(console, table.caption, table.head, rows, names, ("Failures",), gives_way)

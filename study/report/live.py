@@ -203,6 +203,12 @@ def _written(look: Look, lines: Sequence[Line], views: Sequence[Mapping[str, Any
         for line in lines
     ]
     axes = {"log": {"x": look.log[0], "y": look.log[1]}, "x": None if x is None else _numbers(x)}
-    text = json.dumps({**vars(look), **axes, "series": series, "views": views}, allow_nan=False, separators=(",", ":"))
+    return data_element({**vars(look), **axes, "series": series, "views": views})
+
+
+def data_element(content: Mapping[str, Any], name: str = "") -> Markup:
+    """Write data as JSON into a page, for `report.js`; the class of the element is its name."""
+    text = json.dumps(content, allow_nan=False, separators=(",", ":"))
     safe = text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
-    return Markup(f'<script type="application/json">{safe}</script>')  # noqa: S704 - no letter of it can end the element
+    kind = f' class="{name}"' if name else ""
+    return Markup(f'<script type="application/json"{kind}>{safe}</script>')  # noqa: S704 - no letter of it can end the element

@@ -24,6 +24,8 @@ class Section:
         Lines of the figures, for those that do not answer to the pointer.
     folded : bool
         Whether the tables are folded away at first.
+    data : Markup, optional
+        Element of data before the tables, for `report.js`.
     """
 
     title: str
@@ -32,3 +34,4 @@ class Section:
     grids: Sequence[Grid] = ()
     legend: Sequence[tuple[int, str]] = ()
     folded: bool = False
+    data: Markup | None = None

@@ -21,6 +21,7 @@ from study.report.plot_style import SERIES
 from study.report.rendering import render, write_scripts
 from study.report.sections import Section
 from study.suites import figures
+from study.suites.choosing import score_sums
 from study.suites.effects import against, control_of, effects, effects_by_problem, featured
 from study.suites.law import growing, growths, largest_budget, law_grid, paragraph
 from study.suites.measures import FAILED, NEAR, SHIFT, Field, Score, scores, table_of_problems
@@ -76,7 +77,7 @@ def write_page(
             write_table(out / name, rows)
     sections = [
         *_law(field, papers),
-        Section("Scores", [_explained()], grids=[score_grid(ranked)]),
+        Section("Scores", [_explained()], grids=[score_grid(ranked)], data=score_sums(suite, field)),
         *_costs(field),
         *_profiles(field, shown),
         *_effects(field, shown, control),

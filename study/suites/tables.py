@@ -39,7 +39,7 @@ SCORE_COLUMNS: tuple[Column[Score], ...] = (
     Column("", "Own kind", lambda score: score.gap_own, percent),
     *(_near(number) for number in range(len(TIMES))),
     Column("", "Median time", lambda score: score.wall_time, wall),
-    Column("", "Failures", lambda score: ", ".join(f"{n} {reason}" for reason, n in score.failures.items())),
+    Column("", "Failures", lambda score: "\n".join(f"{n} {reason}" for reason, n in score.failures.items())),
 )
 
 
@@ -165,8 +165,11 @@ def traits(suite: Suite) -> dict[str, Callable[[Run], str]]:
     return known
 
 
-CHOICES: Mapping[str, str] = {"robot": "Robot", "task": "Task", "limits": "Limits"}
-"""Traits that the table of problems has a column of, each to choose from, and its head."""
+def chosen_traits(suite: Suite) -> dict[str, Callable[[Run], str]]:
+    """Traits that problems of a page are chosen by, under the heads of their columns."""
+    known = traits(suite)
+    named = {name.capitalize(): known[name] for name in ("robot", "task", "limits") if name in known}
+    return named | {"Segments": lambda run: str(run.segments), "Joints": lambda run: str(run.joints)}
 
 
 def best_grid(suite: Suite, field: Field, known: Mapping[str, ProblemRecords]) -> Grid:
@@ -174,8 +177,7 @@ def best_grid(suite: Suite, field: Field, known: Mapping[str, ProblemRecords]) -
     bounds = {name: each.bound or 0.0 for name, each in known.items()}
     for run in field.runs:
         bounds[run.problem] = max(bounds.get(run.problem, 0.0), run.bound if run.kind == "bound" else 0.0)
-    known_traits = traits(suite)
-    named = {head: known_traits[name] for name, head in CHOICES.items() if name in known_traits}
+    named = chosen_traits(suite)
     rows = []
     for name, run in sorted({run.problem: run for run in field.runs}.items()):
         times = [bare_seconds(field.best.get((name, str(kind)))) for kind in Freedom]
@@ -183,10 +185,10 @@ def best_grid(suite: Suite, field: Field, known: Mapping[str, ProblemRecords]) -
         above = percent(best / bound - 1.0) if best and bound else percent(None)
         about = [trait(run) for trait in named.values()]
         short = name.removeprefix(f"{suite.name}:")
-        rows.append([short, *about, str(run.segments), str(run.joints), *times, bare_seconds(bound or None), above])
-    head = ["Problem", *named, "Segments", "Joints", *(f"{kind}, s" for kind in Freedom), "Bound, s", "Above it"]
+        rows.append([short, *about, *times, bare_seconds(bound or None), above])
+    head = ["Problem", *named, *(f"{kind}, s" for kind in Freedom), "Bound, s", "Above it"]
     caption = "Best known times and the proved bound of any motion."
-    return Grid(caption, head, rows, names=1 + len(named), choices=(*named, "Segments", "Joints"))
+    return Grid(caption, head, rows, names=len(named) - 1, choices=tuple(named))
 
 
 def result_grids(field: Field) -> list[Grid]:

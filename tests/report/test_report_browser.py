@@ -14,6 +14,8 @@ import pytest
 from study.analysis.case_summary import summarise
 from study.bench.page import write_page
 from study.cases.library import load_case
+from study.cases.records import records_of
+from study.cases.suites import suite_named
 from study.cli.example import EXAMPLE
 from study.comparison.build import compare
 from study.comparison.pages import write_pages
@@ -24,6 +26,9 @@ from study.runs.execute import CellJob
 from study.runs.lineup import Budget, Spec, make_cells
 from study.runs.runner import run_jobs
 from study.store.store import Store
+from study.suites.law import committed_field
+from study.suites.measures import Field, scores
+from study.suites.page import write_page as write_suite
 from tests.helpers.comparisons import TINY
 from tests.helpers.threads import no_processes
 
@@ -35,7 +40,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no 
 ROOT = Path(__file__).parents[2]
 PAGES = [
     "index.html", "woodworking.html", "mine.html", "comparison/index.html", "comparison/targets.html",
-    "comparison/ablations.html", "performance.html",
+    "comparison/ablations.html", "performance.html", "suite/index.html",
 ]  # fmt: skip
 MOST_BYTES = 2_000_000
 Open = Callable[..., Any]
@@ -72,6 +77,8 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
         found = compare({wood.name: wood}, TINY, store, lambda part, jobs: run_jobs(jobs, store, workers=1))
     write_pages(found, out / "report" / "comparison", {"Python": "3.x"})
     write_page(ROOT / "docs" / "bench.json", out / "report")
+    suite = suite_named("robots")
+    write_suite(suite, committed_field(suite), records_of(suite), [], out / "report" / "suite", {"Python": "3.x"})
     sources = {"mine": str(out / "mine.yaml")}
     return build_report(summarise(cases, results), out / "report", {"Python": "3.x"}, sources=sources).parent
 
@@ -326,3 +333,28 @@ def test_nothing_keeps_anybody_out(look: Open, name: str, scheme: str) -> None:
 
 def test_case_pages_are_small(report: Path) -> None:
     assert max(path.stat().st_size for path in report.rglob("*.html")) < MOST_BYTES
+
+
+def test_scores_and_problems_of_a_suite_follow_what_is_chosen(look: Open) -> None:
+    suite = suite_named("robots")
+    field = committed_field(suite)
+    chosen = [run for run in field.runs if suite.problems[run.problem].robot == "fr3" and run.segments <= 19]
+    page = look("suite/index.html")
+    bar, table = page.locator("script.sums + .filter"), page.locator("script.sums ~ .scroll > table").first
+    whole = table.inner_text()
+    bar.get_by_label("Robot").select_option("fr3")
+    bar.get_by_label("Segments").select_option("19")
+    wanted = {score.method: score for score in scores(Field(tuple(chosen), field.best))}
+    for row in table.locator("tbody tr").all():
+        name, _, feasible, gap, own, *near = (cell.inner_text() for cell in row.locator("th, td").all())
+        score = wanted[name]
+        assert feasible == f"{score.feasible}/{score.runs}"
+        for text, value in zip((gap, own, *near[:3]), (score.gap_any, score.gap_own, *score.within), strict=True):
+            assert float(text.rstrip(" %").replace("−", "-")) == pytest.approx(100 * value, abs=0.051)
+    for name in ("Robot", "Segments"):
+        bar.get_by_label(name).select_option("")
+    assert table.inner_text() == whole
+    problems = page.locator(".filter:has(+ .scroll th[data-choose])")
+    problems.get_by_label("Task").select_option("seam")
+    shown = page.locator("table:has(th[data-choose]) tbody tr:not([hidden])")
+    assert shown.count() == sum(problem.tags[0] == "seam" for problem in suite.problems.values())

@@ -38,15 +38,18 @@ const sortable = (table, say) => {
   });
 };
 
-// Columns to choose a value of; of numbers those up to one are shown.
-const choices = (table, rows) => [...table.tHead.rows[0].cells].flatMap((head, k) => {
-  const value = (row) => row.cells[k].textContent.trim();
-  const values = [...new Set(rows.map(value))].sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
-  if (!head.hasAttribute("data-choose") || values.length < 2) return [];
+// A choice of one text, or of numbers up to one.
+const choice = (name, texts) => {
+  const values = [...new Set(texts)].sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
   const numeric = values.every((text) => !isNaN(number(text)));
   const select = make("select", {}, make("option", { value: "", textContent: "all" }), ...values.map((text) => make("option", { value: text, textContent: numeric ? `up to ${text}` : text })));
-  const fits = (row) => !select.value || (numeric ? number(value(row)) <= number(select.value) : value(row) === select.value);
-  return [{ select, fits, label: make("label", {}, `${head.textContent.trim()} `, select) }];
+  const fits = (text) => !select.value || (numeric ? number(text) <= number(select.value) : text === select.value);
+  return values.length < 2 ? [] : [{ select, fits, label: make("label", {}, `${name} `, select) }];
+};
+const choices = (table, rows) => [...table.tHead.rows[0].cells].flatMap((head, k) => {
+  const value = (row) => row.cells[k].textContent.trim();
+  if (!head.hasAttribute("data-choose")) return [];
+  return choice(head.textContent.trim(), rows.map(value)).map((one) => ({ ...one, fits: (row) => one.fits(value(row)) }));
 });
 
 const filtered = (table, say) => {
@@ -82,6 +85,26 @@ for (const table of document.querySelectorAll("table:has(th[data-sort])")) {
   const say = (text) => { said.textContent = text; };
   sortable(table, say);
   filtered(table, say);
+}
+
+// Scores of the problems that are chosen, from sums for every method and problem.
+for (const place of document.querySelectorAll("script.sums")) {
+  const { traits, shift, methods } = JSON.parse(place.textContent);
+  const table = document.querySelector("script.sums ~ .scroll > table"), rows = [...table.tBodies[0].rows], whole = new Map(rows.map((row) => [row, [...row.cells].map((cell) => cell.textContent)]));
+  const chosen = Object.entries(traits).flatMap(([name, values]) => choice(name, values).map((one) => ({ ...one, values })));
+  const bar = make("div", { className: "filter" }, ...chosen.map((one) => one.label));
+  place.after(bar);
+  const percent = (share, sign) => { const value = 100 * share; return `${sign && value >= 0 ? "+" : ""}${value.toFixed(Math.abs(value) < 9.995 ? 2 : 1)} %`.replace("-", "−"); };
+  bar.addEventListener("input", () => {
+    const all = chosen.every((one) => !one.select.value);
+    for (const row of rows) {
+      const parts = methods[whole.get(row)[0].trim()].filter(([problem]) => chosen.every((one) => one.fits(one.values[problem])));
+      const [, runs, feasible, any, own, ...near] = parts.reduce((sums, part) => sums.map((sum, k) => sum + part[k]), Array(8).fill(0));
+      const gaps = [any, own].map((sum) => percent(Math.exp(sum / runs) - shift, true)), shares = near.map((sum) => percent(sum / runs, false));
+      const texts = runs ? [`${feasible}/${runs}`, ...gaps, ...shares, "–", "–"] : ["0/0", ...Array(7).fill("–")];
+      whole.get(row).forEach((text, k) => { if (k > 1) row.cells[k].textContent = all ? text : texts[k - 2]; });
+    }
+  });
 }
 
 const bubble = document.body.appendChild(make("div", { className: "bubble", hidden: true }));
