@@ -70,6 +70,8 @@ class Goal:
         Complementarity to reach.
     error : float
         What may be left of the optimality conditions and equations.
+    closing : float
+        What may be left of the equations alone, where that is less.
     iterations : int
     deadline : Deadline
     centring : float
@@ -82,6 +84,7 @@ class Goal:
 
     barrier: float = 1e-9
     error: float = 1e-7
+    closing: float = np.inf
     iterations: int = 150
     deadline: Deadline = NEVER
     centring: float = 0.0
@@ -149,6 +152,12 @@ def resumed(frame: Frame, state: State, mu: float) -> State:
     return State(state.point, slacks, multipliers, state.equations)
 
 
+def continued(frame: Frame, state: State) -> State:
+    """Go on from a state of a run with free widths, where it stands, with fixed widths."""
+    slacks = np.where(frame.rows.active, state.slacks, 1.0)
+    return State(state.point, slacks, frame.rows.weight * state.multipliers, state.equations)
+
+
 def solve(frame: Frame, state: State, goal: Goal) -> Outcome:
     """Iterate until the goal is reached."""
     run = Run(frame, state)
@@ -191,7 +200,8 @@ class Run:
 
     def reached(self, goal: Goal) -> bool:
         """Whether the conditions of the optimum hold."""
-        return self.mu <= goal.barrier and max(self.primal, self.dual) <= goal.error
+        close = self.primal <= min(goal.closing, goal.error) and self.dual <= goal.error
+        return self.mu <= goal.barrier and close
 
     def level(self, goal: Goal) -> bool:
         """Whether the duration has stopped changing."""

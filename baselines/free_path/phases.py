@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from baselines.free_path.interior_point import Ending, Goal, Outcome, frame_of, resumed, solve, started
+from baselines.free_path.interior_point import Ending, Goal, Outcome, continued, frame_of, resumed, solve, started
 from baselines.free_path.model import Model, model_of
 from baselines.free_path.pieces import Point
 from baselines.free_path.question import Flags, FreePathProblem
@@ -27,20 +27,26 @@ from study.trajectory import Trajectory
 ROUNDS = 6
 """Number of rounds that add rows for the range of positions."""
 
-USUAL, NO_JERK, MIDDLING, FEWEST = 8, 6, 5, 3
-"""Pieces per segment: usually, without jerk limits, for many waypoints, and for waypoints in close order."""
+USUAL, NO_JERK, MIDDLING, FEW, FEWEST = 8, 5, 5, 4, 3
+"""Pieces per segment: usually, without jerk limits, for many waypoints, and for waypoints in close order, of which four
+are for jerk limits and up to `CLOSE` segments."""
 
 CLOSE, MANY = 100, 500
-"""Numbers of segments from which waypoints may stand in close order, and from which eight pieces cost too much."""
+"""Numbers of segments from which waypoints are taken to be in close order, and from which eight pieces cost too much."""
 
-SWIFT = 0.3
-"""Share of the time from stop to stop below which waypoints stand in close order."""
+SWIFT, HOPEFUL = 0.3, 1.0
+"""Share of the time from stop to stop below which waypoints stand in close order, and below which a spline that swells
+and ebbs makes it worth while to look."""
 
 NEAR = 1e-3
 """Distance to the end of a range, as a share of the joint's span, at which it counts once a motion leaves its range."""
 
 OUTSIDE = 5e-7
 """Distance beyond the end of a range, as a share of the joint's span, that counts as leaving it."""
+
+
+Begin = Outcome | Point | None
+"""A first phase that is done, a motion to begin one with, or nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +86,7 @@ def free_path(
     freed : bool
         Whether the widths are freed after the first phase.
     """
-    begin: Point | None = None
+    begin: Begin = None
     if pieces is None:
         pieces, begin = usual_pieces(question, deadline)
     held, spent = np.zeros((question.n_segments, question.n_joints), dtype=bool), 0
@@ -99,7 +105,7 @@ def free_path(
 
 
 def _first_phase(
-    question: FreePathProblem, pieces: int, held: Flags, begin: Point | None, deadline: Deadline
+    question: FreePathProblem, pieces: int, held: Flags, begin: Begin, deadline: Deadline
 ) -> tuple[Model, Outcome]:
     """Solve with graded widths, and hold the range of positions, recorded in `held`, where the motion leaves it.
 
@@ -108,7 +114,7 @@ def _first_phase(
     spent = 0
     while True:
         model = model_of(question, pieces, held)
-        outcome = _graded_from(model, begin, deadline)
+        outcome = begin if isinstance(begin, Outcome) else _graded_from(model, begin, deadline)
         if outcome.ending not in (Ending.CONVERGED, Ending.LATE):
             outcome = _graded_from(model, None, deadline)
         spent += outcome.iterations
@@ -128,21 +134,26 @@ def _graded_from(model: Model, begin: Point | None, deadline: Deadline) -> Outco
     return solve(frame, started(frame, point, 0.1), _goals(deadline)[0])
 
 
-def usual_pieces(question: FreePathProblem, deadline: Deadline = NEVER) -> tuple[int, Point | None]:
-    """Choose the number of pieces per segment, with a motion to begin with where there is one.
+def usual_pieces(question: FreePathProblem, deadline: Deadline = NEVER) -> tuple[int, Outcome | None]:
+    """Choose the number of pieces per segment, with the first phase where that is done on the way.
 
     Waypoints in close order along a smooth path are passed in a small part of the time from stop to stop. There
-    acceleration changes little within a segment, and three pieces are enough; a first phase with three pieces tells.
+    acceleration changes little within a segment, and few pieces are enough; a first phase with three pieces tells.
     """
-    usual = USUAL if (question.kinds == 3).any() else NO_JERK
-    if question.n_segments < CLOSE:
-        return usual, None
+    jerky, segments = bool((question.kinds == 3).any()), question.n_segments
+    usual = (USUAL if segments < MANY else MIDDLING) if jerky else NO_JERK
     model = model_of(question, FEWEST)
-    outcome = _graded_from(model, None, deadline)
-    share = float(outcome.state.point.durations @ model.tau / model.tau.sum())
-    if share < SWIFT:
-        return FEWEST, outcome.state.point
-    return usual if question.n_segments < MANY else MIDDLING, None
+    if segments < CLOSE and _share(model, spline_start(model, graded(model), swelling(model))) >= HOPEFUL:
+        return usual, None
+    first = _graded_from(model, None, deadline)
+    if _share(model, first.state.point) >= SWIFT:
+        return usual, None
+    return (FEW, None) if jerky and segments < CLOSE else (FEWEST, first)
+
+
+def _share(model: Model, point: Point) -> float:
+    """Duration of a motion as a share of the time from stop to stop."""
+    return float(point.durations @ model.tau / model.tau.sum())
 
 
 def _goals(deadline: Deadline) -> tuple[Goal, Goal, Goal]:
@@ -150,7 +161,7 @@ def _goals(deadline: Deadline) -> tuple[Goal, Goal, Goal]:
     return (
         Goal(barrier=1e-4, error=1e-2, iterations=100, deadline=deadline),
         Goal(barrier=1.5e-7, error=1e-3, iterations=120, deadline=deadline, centring=0.3, level=3e-6, damping=1e-3),
-        Goal(barrier=1e-8, error=3e-6, iterations=60, deadline=deadline, level=1e-8),
+        Goal(barrier=3e-8, error=3e-6, iterations=60, deadline=deadline, centring=0.3, level=1e-8),
     )
 
 
@@ -175,10 +186,11 @@ def _freed(model: Model, first: Outcome, deadline: Deadline) -> list[Outcome]:
     second = solve(frame, resumed(frame, first.state, 1e-3), freeing)
     widths = np.maximum(second.state.point.widths, 1e-12)
     frame = frame_of(model, False, widths / widths.sum(axis=2, keepdims=True))
-    third = solve(frame, resumed(frame, second.state, 1e-7), finishing)
+    third = solve(frame, continued(frame, second.state), finishing)
     spent = first.iterations + second.iterations + third.iterations
-    if leaves_range(model, third.state.point, -OUTSIDE).any():  # the range may be held, but the equations too loosely
-        third = solve(frame, third.state, replace(finishing, error=1e-2 * finishing.error, level=0.0))
+    outside = leaves_range(model, third.state.point, -OUTSIDE)[:, model.joints]
+    if outside.any() and not (outside & ~model.held).any():  # the range is held, but the equations are too loose
+        third = solve(frame, third.state, replace(finishing, closing=1e-2 * finishing.error, level=0.0))
         spent += third.iterations
     third = replace(third, iterations=spent)
     return [second, third] if third.ending is not Ending.CONVERGED and model.question.scalable else [third]
