@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -46,12 +46,15 @@ class Planned:
         Planners in the order in which they ran, how each works, and its result.
     tier : str
         The tier that was asked for; empty where it was a planner.
+    spared : mapping of str to float
+        Planners that did not run, and the times, s, that their motions are known to take at least.
     """
 
     problem: Problem
     result: Result
     tried: tuple[tuple[str, str, Result], ...]
     tier: str = ""
+    spared: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def planner(self) -> str:
@@ -67,13 +70,15 @@ class Planned:
             return "no motion keeps the limits, and this one breaks them least"
         elif self.planner in DIRECT and single_move(self.problem):
             lead = "no move from rest to rest is faster"
+        elif (count := sum(not result.reason for _, _, result in self.tried)) > 1:
+            lead = f"the fastest of {count} feasible motions"
         elif self.tier == "fast":
             lead = "the first feasible motion"
+        elif self.spared:
+            others = (f"{name} takes at least {least:.4g} s" for name, least in self.spared.items())
+            lead = f"the fastest of all, for {' and '.join(others)}"
         else:
-            count = sum(not result.reason for _, _, result in self.tried)
-            lead = (
-                f"the fastest of {count} feasible motions" if count > 1 else "the only feasible motion that was found"
-            )
+            lead = "the only feasible motion that was found"
         about = next((about for name, about, _ in self.tried if name == self.planner), "")
         slowed = slowed_said(self.problem, self.result.details.get(SLOWED))
         return f"{lead}: {about}{slowed and '; '}{slowed}{self._stopping}"

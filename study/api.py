@@ -65,7 +65,8 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
     planner : str
         A name that `study list` prints, or a tier. `best`, by default as `auto`, runs every planner of
         `automatic(problem)`; the fastest feasible motion of all is the answer, so it is never slower than a stop at every
-        waypoint, nor than `fast`. `fast` ends at the first feasible motion of quick planners.
+        waypoint, nor than `fast`. `fast` ends at the first feasible motion of quick planners, or at a stop at every
+        waypoint where that is faster.
     settings : RunSettings, optional
         `usual_settings(problem)` by default; its time limit holds for a planner, or for all of a tier together.
 
@@ -89,7 +90,9 @@ def plan(problem: Problem, planner: str = "auto", settings: RunSettings | None =
     for names in stages[1:]:
         if planned.feasible and (deadline.passed() or not stops_everywhere(problem, planned.motion)):
             break
-        planned = _planned(problem, names, settings, deadline, planned.tried)
+        planned = _planned(problem, names, settings, deadline, planned)
+    if planner == "fast" and planned.feasible and not any(name in DIRECT for name, _, _ in planned.tried):
+        planned = _planned(problem, DIRECT, settings, deadline, planned)
     return replace(planned, tier=planner if planner in TIERS else "")
 
 
@@ -179,11 +182,28 @@ def _planned(
     names: Sequence[str],
     settings: RunSettings,
     deadline: Deadline,
-    before: tuple[tuple[str, str, Result], ...] = (),
+    before: Planned | None = None,
 ) -> Planned:
-    """Run planners and keep the best motion of all, those that ran before among them."""
-    tried = (*before, *((name, planner_about(name), _run(problem, name, settings, deadline)) for name in names))
-    return Planned(problem, min((result for _, _, result in tried), key=rank), tried)
+    """Run planners and keep the best motion of all, those that ran before among them; what cannot gain does not run."""
+    tried = [] if before is None else list(before.tried)
+    spared = {} if before is None else dict(before.spared)
+    for name in names:
+        best = min((result for _, _, result in tried), key=rank, default=None)
+        least = 0.0 if best is None or not best.feasible else _least(problem, name)
+        if best is not None and best.duration < least:
+            spared[name] = least
+        else:
+            tried.append((name, planner_about(name), _run(problem, name, settings, deadline)))
+    return Planned(problem, min((result for _, _, result in tried), key=rank), tuple(tried), spared=spared)
+
+
+def _least(problem: Problem, name: str) -> float:
+    """Time that a planner knows its motion to take at least, s; 0 where it knows none, or cannot be had."""
+    try:
+        known = getattr(planner_named(name), "least", None)
+    except StudyError:
+        return 0.0
+    return 0.0 if known is None else float(known(problem))
 
 
 def automatic(problem: Problem) -> tuple[str, ...]:

@@ -24,6 +24,7 @@ WORTHWHILE = 50_000
 code, as long as NumPy takes for 10^5 evaluations of a spline; the quick study has 2000 for each run."""
 
 
+@cache
 def installed() -> bool:
     """Tell whether numba can be imported; does not import numba."""
     return find_spec("numba") is not None

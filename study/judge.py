@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from weakref import ref
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from study.limits import RATES
 from study.path_findings import path_findings
 from study.problem import Floats, Problem
 from study.tolerances import TOLERANCE
-from study.trajectory import Motion
+from study.trajectory import Motion, Trajectory
 
 __all__ = ["RATES", "TOLERANCE", "Verdict", "judge"]
 
@@ -126,10 +127,25 @@ def judge(problem: Problem, motion: Motion) -> Verdict:
             f"case {problem.name!r}: the motion must have {problem.n_joints} joints and pass {problem.n_waypoints} waypoints, "
             f"it has {motion.n_joints} and {n_passed}"
         )
+    if (known := _recent(problem, motion)) is not None:
+        return known
     with np.errstate(over="ignore", invalid="ignore"):  # what is not finite becomes a finding
         measured = Measured(problem, motion)
         arm = enclosed(problem.arm, motion)
-        return _verdict(measured, arm, [*findings_of(measured), *path_findings(measured), *arm_findings(problem, arm)])
+        findings = [*findings_of(measured), *path_findings(measured), *arm_findings(problem, arm)]
+        verdict = _verdict(measured, arm, findings)
+    if isinstance(motion, Trajectory):  # which never changes
+        _LAST[:] = [(ref(problem), ref(motion), verdict)]
+    return verdict
+
+
+_LAST: list[tuple[ref[Problem], ref[Trajectory], Verdict]] = []
+"""The last verdict: a planner judges its motion before it hands it over, and whoever asked for it judges it again."""
+
+
+def _recent(problem: Problem, motion: Motion) -> Verdict | None:
+    """The verdict where this very motion was judged last, on this very problem."""
+    return next((verdict for p, m, verdict in _LAST[:] if p() is problem and m() is motion), None)
 
 
 def _verdict(measured: Measured, arm: Enclosure, findings: list[Finding]) -> Verdict:

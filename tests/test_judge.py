@@ -266,3 +266,12 @@ def test_a_coefficient_whose_power_of_time_vanishes_still_counts():
 def test_no_motion_is_one_sentence():
     with pytest.raises(StudyError, match="there is no motion to judge, but a NoneType"):
         judge(problem(), None)
+
+
+def test_a_verdict_is_found_again_for_the_same_problem_and_motion_only():
+    motion, asked = cubic(), problem()
+    first = judge(asked, motion)
+    assert judge(asked, motion) is first
+    assert judge(asked, cubic()).ratios == pytest.approx(first.ratios)
+    assert judge(problem(velocity=1.0), motion).ratios[0, 0] == pytest.approx(1.5)
+    assert judge(asked, motion).feasible

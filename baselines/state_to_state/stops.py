@@ -16,6 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from baselines.base import NOTHING_MOVES, Deterministic, along, segment_rates, where_something_moves
+from baselines.closed_forms import rest_to_rest_time
 from baselines.state_to_state.moves import Mover, State, at_rest, in_own_time, stands_still
 from study.errors import StudyError
 from study.judge import judge
@@ -24,6 +25,8 @@ from study.problem import Demand, Floats, JointLimits, Problem
 from study.trajectory import Trajectory
 
 Pieces = tuple[Floats, Floats]
+ROUNDING = 1e-6
+"""Share of a closed form that is left to rounding, more than Ruckig's own."""
 
 
 def ruckig_stops(problem: Problem) -> Trajectory:
@@ -134,3 +137,13 @@ class RuckigStops(Deterministic):
         if not problem.scalable and (reasons := judge(problem, motion).reasons):  # moving, it may leave its range
             return Plan(Status.FAILED, message=f"the move from or to the given rates {'; '.join(reasons)}")
         return Plan(Status.FINISHED, motion=motion)
+
+    def least(self, problem: Problem) -> float:
+        """Time that the motion takes at least, s, in closed form; moves from or to given rates count as nothing."""
+        if problem.timing is not None:
+            return 0.0
+        rates = np.maximum(-segment_rates(problem)[0], segment_rates(problem)[1])
+        moves = rest_to_rest_time(np.diff(problem.waypoints, axis=0), rates).max(axis=1)
+        for place, end in zip((0, -1), problem.end_states, strict=True):
+            moves[place] *= not end.moving
+        return float(moves.sum() + sum(problem.dwells.values())) * (1 - ROUNDING)

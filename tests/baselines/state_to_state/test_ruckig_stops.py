@@ -1,13 +1,18 @@
 """Ruckig from stop to stop: closed forms, each limit in turn, exactness."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from baselines.closed_forms import rest_to_rest_time, three_limit_time, two_limit_time
-from baselines.state_to_state.moves import Mover, State, at_rest
+from baselines.state_to_state.moves import Mover, at_rest
+from baselines.state_to_state.moves import State as Passage
 from baselines.state_to_state.stops import RuckigStops, ruckig_stops
-from study import JointLimits, Problem, StudyError, judge
+from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.planning import RunSettings, Status
+from study.problem import State
+from study.rules import Timing
 from tests.helpers.reference_problems import EACH_LIMIT, INF, A, V, small, woodworking
 
 SETTINGS = RunSettings("cubic-spline")
@@ -92,7 +97,7 @@ def test_backwards_it_takes_as_long():
 
 def test_a_brake_phase_is_read_too():
     limits = JointLimits([0.8], [1.0], [5.0])
-    start, end = (State(*np.array(row)[:, None]) for row in ([0.0, 0.79, 0.9], [1.0, 0.3, 0.0]))
+    start, end = (Passage(*np.array(row)[:, None]) for row in ([0.0, 0.79, 0.9], [1.0, 0.3, 0.0]))
     widths, cubics = Mover(limits).pieces(start, end)
     position, velocity, acceleration, jerk = cubics[-1, :, 0]
     t = widths[-1]
@@ -127,3 +132,18 @@ def test_the_plan():
     assert plan.status is Status.FINISHED
     assert plan.motion is not None
     assert plan.motion.duration == pytest.approx(4.07559, abs=5e-6)
+
+
+@pytest.mark.parametrize("limits", EACH_LIMIT.values(), ids=EACH_LIMIT)
+def test_the_least_duration_is_that_of_the_motion_to_rounding(limits):
+    problem = replace(small(limits), dwells={1: 0.25})
+    duration = ruckig_stops(problem).duration
+    assert duration * (1 - 1e-5) <= RuckigStops().least(problem) < duration
+
+
+def test_the_least_duration_counts_no_move_from_a_given_rate_and_no_demanded_duration():
+    problem = small(EACH_LIMIT["all"], EndCondition.SMOOTH)
+    pushed = replace(problem, start=State(0.1 * np.ones(problem.n_joints), 0 * problem.waypoints[0]))
+    assert RuckigStops().least(pushed) < RuckigStops().least(problem)
+    assert RuckigStops().least(pushed) < ruckig_stops(pushed).duration
+    assert RuckigStops().least(replace(problem, timing=Timing(exactly=99.0))) == 0.0
