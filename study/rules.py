@@ -155,6 +155,9 @@ class Tube(_Radius):
 
 PathRule = StraightPath | Tube
 
+UNCOUNTED = 2.0**53
+"""Cycles from which on a duration has no digits for one more: every duration is a whole number of them."""
+
 
 @dataclass(frozen=True)
 class Timing:
@@ -192,7 +195,7 @@ class Timing:
             errors.append(abs(duration - self.exactly) / self.exactly)
         if self.at_least is not None:
             errors.append((self.at_least - duration) / self.at_least)
-        if self.cycle is not None:
+        if self.cycle is not None and duration / self.cycle < UNCOUNTED:
             errors.append(abs(duration - max(round(duration / self.cycle), 1) * self.cycle) / self.cycle)
         return max(errors)
 
@@ -209,8 +212,8 @@ class Timing:
                 raise StudyError(f"the motion takes {duration:.6g} s, longer than the {self.exactly:g} s it must take")
             return self.exactly / duration
         longer = max(duration, self.at_least or 0.0)
-        if self.cycle is not None:
-            longer = np.ceil(longer / self.cycle * (1 - 1e-12)) * self.cycle
+        if self.cycle is not None and longer / self.cycle < UNCOUNTED:
+            longer = float(np.ceil(longer / self.cycle * (1 - 1e-12))) * self.cycle
         return max(1.0, float(longer) / duration)
 
 

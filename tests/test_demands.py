@@ -259,6 +259,14 @@ def test_a_motion_that_lasts_too_long_cannot_be_stretched_to_its_time():
         Timing(exactly=2.0, at_least=2.1)
 
 
+@pytest.mark.parametrize("duration", [5e-324, 1e-3, 1e300, 1.7e308])
+@pytest.mark.parametrize("cycle", [5e-324, 1e-300, 0.004, 1e308])
+def test_cycles_of_any_size_are_counted(cycle, duration):
+    timing = Timing(exactly=1e308, cycle=cycle) if cycle < 1 else Timing(cycle=cycle)
+    assert timing.excess(duration) >= 0
+    assert Timing(cycle=cycle).stretch(duration) >= 1
+
+
 def test_a_share_of_the_speed_takes_its_inverse_in_time():
     half = corner(segment_limits={0: JointLimits([4.0, 4.0])}).at_speed(0.5)
     assert half.limits.rates[:2, 0].tolist() == [5, 25]
