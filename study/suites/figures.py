@@ -15,7 +15,7 @@ from matplotlib.ticker import LogLocator
 from study.analysis.formatting import ratio as number
 from study.report.figures import sized, svg
 from study.report.plot_style import DASHES, GRID, INK, MARKERS, RC, SERIES
-from study.suites.law import Growth
+from study.suites.growth import Axis, Growth
 from study.suites.profiles import Profile
 from study.suites.targets import Cost
 
@@ -39,13 +39,15 @@ def _look(style: int) -> dict[str, Any]:
     return {"color": SERIES[style], "linestyle": DASHES[style], "linewidth": 1.6}
 
 
-def growth(key: str, lines: Sequence[Growth], styles: Mapping[str, int], papers: Marks = ()) -> Markup:
-    """Plot the median gap to the curve's optimum against the number of segments, with bands, the papers' cases marked."""
+def growth(
+    key: str, lines: Sequence[Growth], styles: Mapping[str, int], papers: Marks = (), axis: Axis = "segments"
+) -> Markup:
+    """Plot the median gap to the curve's optimum against the size, with bands, the papers' cases marked."""
     with mpl.rc_context(RC):
         figure, axes = _canvas(760, 440)
         for line in lines:
             style = styles[line.planner]
-            x = [point.segments for point in line.points]
+            x = [point.size for point in line.points]
             low, middle, high = (
                 np.clip([getattr(point.gap, name) for point in line.points], LEAST, MOST)
                 for name in ("lower", "estimate", "upper")
@@ -56,15 +58,15 @@ def growth(key: str, lines: Sequence[Growth], styles: Mapping[str, int], papers:
             axes.plot(segments, at, "*", color=INK, markersize=10, zorder=5)
             label = ", ".join(cases)
             axes.annotate(label, (segments, at), xytext=(7, 4), textcoords="offset points", color=INK, fontsize=10)
-        axes.set(xscale="log", yscale="log", xlabel="segments", ylabel="above the optimum of the same curve")
+        axes.set(xscale="log", yscale="log", xlabel=axis, ylabel="above the optimum of the same curve")
         axes.set_ylim(LEAST / 1.5, MOST * 1.2)
-        sizes = sorted({point.segments for line in lines for point in line.points})
+        sizes = sorted({point.size for line in lines for point in line.points})
         axes.set_xticks(sizes, [str(size) for size in sizes])
         axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
         axes.minorticks_off()
         names = ", ".join(line.planner for line in lines)
         return svg(
-            figure, key, "Gap to the optimum by segments", f"Median gap against the number of segments for {names}."
+            figure, key, f"Gap to the optimum by {axis}", f"Median gap against the number of {axis} for {names}."
         )
 
 

@@ -23,7 +23,8 @@ from study.report.sections import Section
 from study.suites import figures
 from study.suites.choosing import score_sums
 from study.suites.effects import against, control_of, effects, effects_by_problem, featured
-from study.suites.law import growing, growths, largest_budget, law_grid, paragraph
+from study.suites.growth import Axis, growing
+from study.suites.law import grown_at, largest_budget, law_grid, paragraph
 from study.suites.measures import FAILED, NEAR, SHIFT, Field, Score, scores, table_of_problems
 from study.suites.profiles import Profile, data_profiles, performance_profiles
 from study.suites.runs import plain
@@ -127,7 +128,7 @@ def _law(field: Field, papers: figures.Marks) -> list[Section]:
     if not budget:
         return []
     text = paragraph(field, budget)
-    lines = [each for each in growths(field) if each.evaluations == budget]
+    lines = grown_at(field, budget)
     styles = method_slots(sorted({each.planner for each in lines})[: len(SERIES)])
     drawn = [each for each in lines if each.planner in styles]
     stars = listed([f"{name} ({planner})" for name, _, _, planner in papers])
@@ -141,15 +142,23 @@ def _law(field: Field, papers: figures.Marks) -> list[Section]:
     ]
     picture = figures.growth("growth", drawn, styles, papers)
     legend = [(style, name) for name, style in styles.items()]
-    return [
-        Section(
-            "How far methods fall behind",
-            [text, *marks],
-            [picture],
-            [law_grid(field, budget)],
-            legend,
-        )
-    ]
+    first = Section("How far methods fall behind", [text, *marks], [picture], [law_grid(field, budget)], legend)
+    return [first, *_other_laws(field, budget)]
+
+
+def _other_laws(field: Field, budget: int) -> list[Section]:
+    """Growth with jerk limits, and with the number of joints, where it was run."""
+    sections = []
+    cuts: Sequence[tuple[Axis, bool]] = (("segments", True), ("joints", False), ("joints", True))
+    for axis, jerk in cuts:
+        if lines := grown_at(field, budget, axis, jerk):
+            styles = method_slots([each.planner for each in lines][: len(SERIES)])
+            drawn = [each for each in lines if each.planner in styles]
+            picture = figures.growth(f"growth-{axis}-{jerk:d}", drawn, styles, axis=axis)
+            legend = [(style, name) for name, style in styles.items()]
+            title = f"By {axis}, {'with' if jerk else 'without'} jerk limits"
+            sections.append(Section(title, [], [picture], [law_grid(field, budget, axis, jerk)], legend, folded=True))
+    return sections
 
 
 def _costs(field: Field) -> list[Section]:

@@ -10,9 +10,10 @@ from scipy.stats import spearmanr
 from study.cases.records import known_times
 from study.cases.suites import suite_named
 from study.errors import StudyError
-from study.suites.law import committed_law, growths, largest_budget, law_grid, paragraph
+from study.suites.growth import growing, growths
+from study.suites.law import committed_law, largest_budget, law_grid, paragraph
 from study.suites.measures import Field, best_in
-from study.suites.page import write_page
+from study.suites.page import _other_laws, write_page
 from study.suites.runs import Run, read_runs, runs_file
 
 BASE = Run(
@@ -46,6 +47,27 @@ def test_exponent_and_marks_are_those_of_the_law(field):
     assert pso.passes[0.1] is None
     assert grown["de"].exponent is None
     assert [point.gap.estimate for point in grown["de"].points] == [0.0] * 4
+
+
+def test_growth_with_joints_and_with_jerk_limits_is_told_apart(field):
+    cut = [
+        replace(BASE, problem=f"scaling:s9-j{joints}-a", segments=9, joints=joints, planner="pso", evaluations=1000, seed=seed,
+                duration=1.0 + 1e-3 * joints)
+        for joints in (1, 2, 4)
+        for seed in range(3)
+    ]  # fmt: skip
+    jerky = [replace(run, problem=f"{run.problem}-jerk", jerk=True) for run in field.runs]
+    whole = Field(
+        (*field.runs, *cut, *jerky), dict.fromkeys({(r.problem, r.kind) for r in [*field.runs, *cut, *jerky]}, 1.0)
+    )
+    assert {run.joints for run in growing(whole, "joints")} == {1, 2, 4, 7}
+    pso = next(each for each in growths(whole, "joints") if each.planner == "pso")
+    assert [point.size for point in pso.points] == [1, 2, 4, 7]
+    assert pso.points[0].gap.estimate == pytest.approx(1e-3)
+    assert law_grid(whole, 1000, "joints").head[1:5] == ["1 joint", "2 joints", "4 joints", "7 joints"]
+    assert {each.planner for each in growths(whole, "segments", jerk=True)} == {"pso", "de", "worse"}
+    titles = [section.title for section in _other_laws(whole, 1000)]
+    assert titles == ["By segments, with jerk limits", "By joints, without jerk limits"]
 
 
 def test_failures_are_infinitely_far_behind_and_counted(field):
