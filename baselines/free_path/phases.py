@@ -32,7 +32,7 @@ USUAL, NO_JERK, MIDDLING, FEW, FEWEST = 8, 5, 5, 4, 3
 are for jerk limits and up to `CLOSE` segments."""
 
 CLOSE, MANY = 100, 500
-"""Numbers of segments from which waypoints are taken to be in close order, and from which eight pieces cost too much."""
+"""Numbers of segments from which waypoints count as in close order, and from which eight pieces cost too much."""
 
 SWIFT, HOPEFUL = 0.3, 1.0
 """Share of the time from stop to stop below which waypoints stand in close order, and below which a spline that swells
