@@ -1,4 +1,4 @@
-"""`python -m tests.fuzz [READER ...] [--seconds N] [--seed N] [--keep FOLDER]`: spoilt files for every reader, and figures.
+"""`python -m tests.fuzz [READER ...] [--seconds N] [--clock N] [--seed N] [--keep FOLDER]`: spoilt files for every reader, and figures.
 
 Each reader works in a process of its own. Every input must end as a value or a `StudyError` of one line, within 5 s of
 processor time and 1 GB of memory; ends with 1 where one does not.
@@ -83,18 +83,23 @@ class Fuzzer:
                 file.write_bytes(content)
                 print(f"  {self.reader}: {failure}\n    kept as {file}", flush=True)
 
-    def run(self, seconds: float, seed: int) -> None:
-        """Put inputs to the reader until so much processor time is spent."""
+    def run(self, seconds: float, clock: float, seed: int) -> None:
+        """Put inputs to the reader until so much processor time is spent, or so much time has gone by."""
         signal.signal(signal.SIGPROF, interrupt)
         with ExitStack() as stack:
             folder = prepared(self.target, stack)
             begun, round_number = time.process_time(), 0
-            while time.process_time() - begun < seconds:
-                self._round(folder, begun + seconds, seed * 1_000_003 + round_number)
+            self.end, self.until = begun + seconds, time.monotonic() + clock
+            while self.going():
+                self._round(folder, seed * 1_000_003 + round_number)
                 round_number += 1
         self.minutes = (time.process_time() - begun) / 60
 
-    def _round(self, folder: Path, end: float, seed: int) -> None:
+    def going(self) -> bool:
+        """Whether there is time for another input."""
+        return time.process_time() < self.end and time.monotonic() < self.until
+
+    def _round(self, folder: Path, seed: int) -> None:
         @hypothesis.seed(seed)
         @settings(
             max_examples=ROUND, database=None, deadline=None, phases=[Phase.generate],
@@ -102,7 +107,7 @@ class Fuzzer:
         )  # fmt: skip
         @hypothesis.given(spoilt(self.target.seeds))
         def inputs(file: tuple[str, bytes]) -> None:
-            if time.process_time() < end:
+            if self.going():
                 self(folder, *file)
 
         with suppress(
@@ -138,6 +143,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.fuzz", description=__doc__)
     parser.add_argument("readers", nargs="*", metavar="READER", help=f"any of {', '.join(READERS)}; all by default")
     parser.add_argument("--seconds", type=float, default=8.0, help="processor time for each reader")
+    parser.add_argument(
+        "--clock", type=float, default=float("inf"), help="seconds after which a reader ends all the same"
+    )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", type=Path, help="folder for inputs that fail")
     parser.add_argument("--inside", action="store_true", help=argparse.SUPPRESS)
@@ -150,13 +158,14 @@ def main() -> int:
         warnings.simplefilter("error")  # a warning would stand on the screen with a line of source
         resource.setrlimit(resource.RLIMIT_DATA, (4 * MEMORY, resource.RLIM_INFINITY))
         fuzzer = Fuzzer(given.readers[0], keep)
-        fuzzer.run(given.seconds, given.seed)
+        fuzzer.run(given.seconds, given.clock, given.seed)
         print(fuzzer.line, flush=True)
         return bool(fuzzer.failures)
     print(HEADER, flush=True)
     status = 0
     for reader in given.readers or READERS:
-        options = ["--seconds", str(given.seconds), "--seed", str(given.seed), "--keep", str(keep), "--inside"]
+        numbers = {"--seconds": given.seconds, "--clock": given.clock, "--seed": given.seed, "--keep": keep}
+        options = [*(str(word) for pair in numbers.items() for word in pair), "--inside"]
         ended = subprocess.run([sys.executable, "-m", "tests.fuzz", reader, *options])
         if ended.returncode not in (0, 1):
             print(f"  {reader}: the process ended with {ended.returncode}")
