@@ -8,7 +8,7 @@ and objects that a thread drops outside it are freed by the next thread that hol
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -40,9 +40,9 @@ def alone() -> Iterator[None]:
         yield
 
 
-def drop(thing: Any) -> None:
+def drop(thing: Any, dropped: list[Any] = _DROPPED) -> None:  # bound here: modules lose their names before objects go
     """Leave something that holds CasADi objects to the next thread that has the lock."""
-    _DROPPED.append(thing)
+    dropped.append(thing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,5 +99,5 @@ class Ipopt:
         warm = dict(zip(("lam_x0", "lam_g0"), multipliers, strict=True))
         return Solution(x, warm, bool(stats["success"]), str(stats["return_status"]), int(stats["iter_count"]))
 
-    def __del__(self) -> None:
+    def __del__(self, drop: Callable[[Any], None] = drop) -> None:
         drop(self._solver)

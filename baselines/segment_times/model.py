@@ -7,6 +7,7 @@ round.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
@@ -114,7 +115,7 @@ class Model:
     def _solver(self, more: dict[str, Any]) -> Ipopt:
         return Ipopt(self._problem, OPTIONS | more, self._time_limit)
 
-    def __del__(self) -> None:
+    def __del__(self, drop: Callable[[Any], None] = drop) -> None:
         drop(vars(self).copy())
 
 

@@ -43,6 +43,7 @@ print(*sorted(lines), sep="\\n")
 def printed(code: str) -> list[str]:
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=110)
     assert ended.returncode == 0, ended.stderr
+    assert ended.stderr == ""  # nor does an object complain that outlives the modules
     return ended.stdout.splitlines()
 
 
