@@ -26,9 +26,7 @@ def _share(value: float) -> str:
 
 
 def _near(number: int) -> Column[Score]:
-    return Column(
-        "", ("Near in" if number == 0 else "in") + f" {TIMES[number]:g} s", lambda score: score.within[number], _share
-    )
+    return Column("", f"Near {TIMES[number]:g} s", lambda score: score.within[number], _share)
 
 
 SCORE_COLUMNS: tuple[Column[Score], ...] = (
@@ -45,7 +43,10 @@ SCORE_COLUMNS: tuple[Column[Score], ...] = (
 
 def score_grid(ranked: Sequence[Score]) -> Grid:
     """Table of scores; failures count in every number of it."""
-    return grid("Every method over the suite, the nearest first.", SCORE_COLUMNS, ranked, names=2)
+    caption = (
+        "Every method, the nearest first. Near: share of runs within 1 % of the best known of any kind in so much time."
+    )
+    return grid(caption, SCORE_COLUMNS, ranked, names=2)
 
 
 def _to(number: int) -> Column[Cost]:
