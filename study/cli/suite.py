@@ -102,7 +102,7 @@ def export(
 
 @suite_app.command()
 def keep(out: Out = DEFAULT_OUT) -> None:
-    """Take the last run of a suite into the data: its runs as a Parquet file, and what is better than the records."""
+    """Add the last run of a suite to the data: its runs to a Parquet file, and what is better than the records."""
     from study.cli.suite_run import kept_run  # here: its measures are slow to import
 
     for path, said in kept_run(out):

@@ -45,7 +45,7 @@ from study.suites.measures import Field, best_in
 from study.suites.page import write_page
 from study.suites.papers import papers_marks
 from study.suites.records import contradictions, improved, records_text
-from study.suites.runs import Run, runs_file, runs_of, write_runs
+from study.suites.runs import Run, added, read_runs, runs_file, runs_of, write_runs
 from study.suites.submission import ENDING, record_text, submission
 from study.suites.tables import result_grids
 
@@ -161,7 +161,7 @@ def show_suite(
 
 
 def kept_run(out: Path) -> Iterator[tuple[Path, str]]:
-    """Write the runs of the last run of a suite and the records that it improves into the data; places and what stands there.
+    """Add the runs of the last run of a suite and the records that it improves to the data; places and what stands there.
 
     Raises
     ------
@@ -171,6 +171,8 @@ def kept_run(out: Path) -> Iterator[tuple[Path, str]]:
     suite = suite_of_last_run(out)
     cases, results = _last_of(suite, out)
     runs = runs_of(results, cases)
+    before = read_runs(runs_file(suite)) if runs_file(suite).is_file() else []
+    every = added(runs, [run for run in before if run.problem in suite.cases])
     methods = {name: method_named(name) for name in {run.planner for run in runs}}
     kinds = {name: method.freedom if isinstance(method, Planner) else None for name, method in methods.items()}
     known = records_of(suite)
@@ -181,8 +183,8 @@ def kept_run(out: Path) -> Iterator[tuple[Path, str]]:
     for place in (folder, records_file(suite).parent):
         place.mkdir(parents=True, exist_ok=True)
     with replacing(runs_file(suite)) as part:
-        write_runs(part, runs)
-    yield runs_file(suite), f"{plural(len(runs), 'run')}"
+        write_runs(part, every)
+    yield runs_file(suite), f"{plural(len(runs), 'run')}, {len(every)} in all"
     better = sum(records[name] != known.get(name) for name in records)
     write_file(records_file(suite), records_text(suite, records))
     yield records_file(suite), f"records of {plural(len(records), 'problem')}, {better} of them new or better"

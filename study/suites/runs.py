@@ -176,6 +176,12 @@ def write_runs(path: Path, runs: Sequence[Run]) -> None:
     pq.write_table(pa.table(columns, schema=SCHEMA), path, compression="zstd")
 
 
+def added(runs: Sequence[Run], committed: Sequence[Run]) -> list[Run]:
+    """Committed runs and new ones, problem by problem; a new one takes the place of the same planner, budget and seed."""
+    both = {(run.problem, run.planner, run.evaluations, run.seed): run for run in (*committed, *runs)}
+    return [both[key] for key in sorted(both)]
+
+
 def plain(runs: Sequence[Run]) -> list[dict[str, Any]]:
     """Runs as rows of a table, without their curves."""
     names = [name for name in SCHEMA.names if not name.startswith("curve_")]

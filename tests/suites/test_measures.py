@@ -11,7 +11,7 @@ from study.errors import StudyError
 from study.suites import measures
 from study.suites.measures import Field, best_in, scores, shifted_mean
 from study.suites.profiles import data_profiles, performance_profiles
-from study.suites.runs import FINENESS, Run, improvements, read_runs, write_runs
+from study.suites.runs import FINENESS, Run, added, improvements, read_runs, write_runs
 
 GOOD = Run(
     "s:a", 3, 2, False, "quick", "free path", 0, 0, "FINISHED", True, 1.0, 1.0, 0.05, 0.0, ""
@@ -104,6 +104,16 @@ def test_files_of_before_the_curves_are_read(tmp_path, field):
     pq.write_table(pq.read_table(path).drop_columns(["seed"]), path)
     with pytest.raises(StudyError, match="no column 'seed'"):
         read_runs(path)
+
+
+def test_new_runs_are_added_to_the_committed_ones_and_take_the_place_of_the_same(field):
+    first, *others = field.runs
+    again = replace(first, wall_time=first.wall_time + 1.0)
+    both = added([again], field.runs)
+    assert len(both) == len(field.runs)
+    assert again in both
+    assert first not in both
+    assert set(others) <= set(both)
 
 
 def test_runs_come_back_from_their_file(tmp_path, field):
