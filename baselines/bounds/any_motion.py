@@ -22,7 +22,8 @@ class AnyMotionBound:
     """Bound `any-motion-bound`: a time that no motion through the waypoints within the limits can undercut.
 
     A fast motion makes the bound tighter, so `ruckig-via`, which knows the free-path program too, is asked for one
-    first; the bound is valid whatever motion that is. At the time limit it is the best bound proved until then.
+    when a first bound is proved; the bound is valid whatever motion that is. At the time limit it is the best bound
+    proved until then.
 
     Parameters
     ----------
@@ -32,8 +33,8 @@ class AnyMotionBound:
         How often cells are dropped and halved.
     """
 
-    n_cells: int = 64
-    refinements: int = 3
+    n_cells: int = 16
+    refinements: int = 6
     about: ClassVar[str] = (
         "a proved time that no motion through the waypoints can undercut; there is no motion to drive"
     )
@@ -45,12 +46,15 @@ class AnyMotionBound:
         if not problem.moving.any():
             return LowerBound(0.0, Freedom.FREE, NOTHING_MOVES)
         deadline, quiet = Deadline.after(settings.time_limit), held_still(problem)
-        motion = ruckig_via(quiet, time_limit=settings.time_limit).motion
-        known = motion.duration if judge(quiet, motion).feasible else np.inf
-        proof = bound(quiet, known, self.n_cells, self.refinements, deadline=deadline)
+
+        def seek() -> float:
+            motion = ruckig_via(quiet, time_limit=deadline.left() / 2).motion
+            return motion.duration if judge(quiet, motion).feasible else np.inf
+
+        proof = bound(quiet, np.inf, self.n_cells, self.refinements, deadline=deadline, seek=seek)
         return LowerBound(
             proof.value,
             Freedom.FREE,
             "a proved lower bound on any motion through the waypoints; there is no motion to drive",
-            {"known": known, "cells": float(proof.cells), "rounds": float(proof.rounds)},
+            {"known": proof.known, "cells": float(proof.cells), "rounds": float(proof.rounds)},
         )

@@ -11,6 +11,8 @@ velocity never exceeds any of these curves over the segment, so the displacement
 From d > 0 on either integral grows with T, so d is reached no sooner than at its last crossing with d. Mirrored, with
 the lower ends of the intervals, the displacement is never less than the negative of such an integral; a T at which that
 exceeds d is impossible, and so is every later T up to where it no longer does.
+
+Under all three limits `baselines.bounds.joined_times` joins the first curve's lines by the second's parabolas.
 """
 
 from __future__ import annotations
@@ -20,35 +22,34 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from baselines.bounds.joined_times import SAFETY, joined_time, last_jerk_crossing
 from baselines.closed_forms import peak_velocity
 from study.problem import Floats
-
-SAFETY = 1e-9
-"""Relative deduction for rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Intervals of velocity at one waypoint; arrays of shape (n_cells,)."""
+    """Intervals of velocity at one waypoint, arrays of shape (n_cells,), and the largest acceleration there."""
 
     low: Floats
     high: Floats
+    steepest: float = np.inf
 
     @property
     def mirrored(self) -> Cells:
         """The same cells for a joint that counts in the other direction."""
-        return Cells(-self.high, -self.low)
+        return Cells(-self.high, -self.low, self.steepest)
 
     def picked(self, mask: NDArray[np.bool_]) -> Cells:
         """Keep some of the cells."""
-        return Cells(self.low[mask], self.high[mask])
+        return Cells(self.low[mask], self.high[mask], self.steepest)
 
     def halved(self) -> Cells:
         """Cut every cell that is not a point in two."""
         wide = self.high > self.low
         middle = (self.low + self.high) / 2
         low = np.concatenate([self.low, middle[wide]])
-        return Cells(low, np.concatenate([np.where(wide, middle, self.high), self.high[wide]]))
+        return Cells(low, np.concatenate([np.where(wide, middle, self.high), self.high[wide]]), self.steepest)
 
 
 def reach(time: Floats, a: Floats, b: Floats, velocity: float, acceleration: float) -> Floats:
@@ -61,7 +62,7 @@ def reach(time: Floats, a: Floats, b: Floats, velocity: float, acceleration: flo
     return np.where(acceleration * time >= np.abs(a - b), both, low * time + acceleration * time**2 / 2)
 
 
-def last_crossing(distance: float, a: Floats, b: Floats, velocity: float, acceleration: float) -> Floats:
+def last_crossing(distance: Floats | float, a: Floats, b: Floats, velocity: float, acceleration: float) -> Floats:
     """Largest T with reach(T; a, b) = distance, s; 0 where reach exceeds the distance at all times."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     single = low**2 + 2 * acceleration * distance
@@ -77,26 +78,6 @@ def jerk_reach(time: Floats, a: Floats, b: Floats, jerk: float) -> Floats:
     return (a + b) / 2 * time + jerk / 12 * time**3
 
 
-def last_jerk_crossing(distance: float, a: Floats, b: Floats, jerk: float) -> Floats:
-    """Largest T with jerk_reach(T; a, b) = distance, s; 0 where there is none.
-
-    Cardano's formula for T^3 + p T + q = 0, and Newton's steps against its cancellation; at a largest root the cubic
-    rises, so the steps are safe.
-    """
-    p, q = 6 * (a + b) / jerk, -12 * distance / jerk
-    discriminant = (q / 2) ** 2 + (p / 3) ** 3
-    root = np.sqrt(np.maximum(discriminant, 0.0))
-    single = np.cbrt(-q / 2 + root) + np.cbrt(-q / 2 - root)
-    size = np.sqrt(np.maximum(-p / 3, 0.0))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        cosine = np.clip(np.nan_to_num(-q / 2 / size**3), -1.0, 1.0)
-        time = np.maximum(np.where(discriminant < 0, 2 * size * np.cos(np.arccos(cosine) / 3), single), 0.0)
-        for _ in range(3):
-            slope = 3 * time**2 + p
-            time = np.where(slope > 0, np.maximum(time - (time**3 + p * time + q) / slope, 0.0), time)
-    return time
-
-
 def shortest_times(distance: float, start: Cells, end: Cells, rates: Floats, at_least: float) -> Floats:
     """Lower bounds on the time between two waypoints for all pairs of cells, shape (n_start, n_end), s.
 
@@ -110,16 +91,33 @@ def shortest_times(distance: float, start: Cells, end: Cells, rates: Floats, at_
     at_least : float, s
         A bound that is known already.
     """
+    return past_gaps(np.maximum(first_times(distance, start, end, rates), at_least), distance, start, end, rates)
+
+
+def first_times(distance: float, start: Cells, end: Cells, rates: Floats) -> Floats:
+    """What it takes at least to get as far, and from one velocity to the other; arguments as above."""
     if distance < 0:
         start, end = start.mirrored, end.mirrored
     d, (velocity, acceleration, jerk) = abs(distance), map(float, rates)
     a, b = start.high[:, None], end.high[None]
-    apart = np.maximum(np.maximum(end.low[None] - a, start.low[:, None] - b), 0.0) / acceleration
-    time = np.maximum(apart, at_least)
+    change = np.maximum(np.maximum(end.low[None] - a, start.low[:, None] - b), 0.0)
+    time = change / acceleration
+    slopes = min(start.steepest, acceleration), min(end.steepest, acceleration)
+    if np.isfinite(jerk) and min(slopes) < acceleration:
+        slowly = last_crossing(change, np.array(slopes[0]), np.array(slopes[1]), acceleration, jerk) * (1 - SAFETY)
+        time = np.maximum(time, np.where(change > 0, slowly, 0.0))
     if d > 0:
         time = np.maximum(time, last_crossing(d, a, b, velocity, acceleration))
         if np.isfinite(jerk):
-            time = np.maximum(time, last_jerk_crossing(d, a, b, jerk) * (1 - SAFETY))
+            time = joined_time(time, d, (a, b), slopes, rates)
+    return time
+
+
+def past_gaps(time: Floats, distance: float, start: Cells, end: Cells, rates: Floats) -> Floats:
+    """Times at least as long as those given in which the joint does not have to go too far; arguments as above."""
+    if distance < 0:
+        start, end = start.mirrored, end.mirrored
+    d, (velocity, acceleration, jerk) = abs(distance), map(float, rates)
     a, b = -start.low[:, None], -end.low[None]
     if np.isfinite(jerk):
         late = last_jerk_crossing(-d, a, b, jerk) * (1 - SAFETY)

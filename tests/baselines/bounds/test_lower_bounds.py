@@ -6,10 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from baselines.bounds import lower_bounds
+from baselines.bounds import lower_bounds, strands
 from baselines.bounds.any_motion import AnyMotionBound
-from baselines.bounds.cell_times import Cells, jerk_reach, last_jerk_crossing, reach, shortest_times
-from baselines.bounds.lower_bounds import all_chains, bound, first_cells, lower_bound, with_implied_acceleration
+from baselines.bounds.cell_times import Cells, jerk_reach, reach, shortest_times
+from baselines.bounds.joined_times import last_jerk_crossing
+from baselines.bounds.lower_bounds import bound, lower_bound, with_implied_acceleration
+from baselines.bounds.strands import all_chains, first_strands
 from baselines.closed_forms import two_limit_time
 from baselines.free_path.nlp import free_path
 from baselines.path_timing.toppra import retime
@@ -111,7 +113,7 @@ def test_with_velocity_limits_only_it_is_attained():
 
 def test_dynamic_programming_against_all_chains():
     problem = small(([1.0] * 3, [2.0] * 3, INF))
-    chains = all_chains(problem, first_cells(problem, 6, 10.0))[0]
+    chains = all_chains(problem, first_strands(problem, 6, 10.0))[0]
     weights = np.array([0.2, 0.5, 0.3])
     value, times = chains.cheapest(weights)
     first, second, third = chains.times
@@ -214,19 +216,20 @@ def looks(monkeypatch):
     """A clock on which every look takes a second; the bounds of segments made meanwhile."""
     made, clock = [], count()
     monkeypatch.setattr(deadline, "time", SimpleNamespace(monotonic=lambda: next(clock)))
-    whole = lower_bounds.shortest_times
-    monkeypatch.setattr(lower_bounds, "shortest_times", lambda *args: made.append(1) or whole(*args))
+    for name in ("first_times", "past_gaps"):
+        whole = getattr(strands, name)
+        monkeypatch.setattr(strands, name, lambda *args, whole=whole: made.append(1) or whole(*args))
     return SimpleNamespace(made=made, now=lambda: next(clock))
 
 
 def test_a_deadline_ends_the_bound_between_two_segments_and_what_it_proved_holds(looks):
     problem = small(EACH_LIMIT["all"], seed=5, n_waypoints=6)
-    whole = bound(problem, n_cells=12)
+    whole = bound(problem, n_cells=12, refinements=3)
     work, values = len(looks.made), []
-    for seconds in (-1, 7, 40, 70, 100):
+    for seconds in (-1, 7, 110, 130, 240):
         looks.made.clear()
         with supervised() as watch:
-            cut = bound(problem, n_cells=12, deadline=Deadline(looks.now() + seconds))
+            cut = bound(problem, n_cells=12, refinements=3, deadline=Deadline(looks.now() + seconds))
         assert watch.deadline_reached
         assert len(looks.made) <= max(seconds, 0) < work
         assert cut.rounds <= whole.rounds
@@ -236,16 +239,17 @@ def test_a_deadline_ends_the_bound_between_two_segments_and_what_it_proved_holds
     assert straight < values[2] < values[-1] <= whole.value
     assert values == sorted(values)
     with supervised() as watch:
-        assert bound(problem, n_cells=12, deadline=Deadline(looks.now() + 1e6)).value == whole.value
+        assert bound(problem, n_cells=12, refinements=3, deadline=Deadline(looks.now() + 1e6)).value == whole.value
     assert not watch.deadline_reached
 
 
 def test_weights_are_sought_until_the_deadline_and_at_least_once(looks):
     problem = woodworking()
-    joints = all_chains(problem, first_cells(problem, 12, 5.0))
-    once, _, rounds = lower_bounds.best_weights(joints, Deadline(-np.inf))
-    some, _, more = lower_bounds.best_weights(joints, Deadline(looks.now() + 2.5))
-    best, _, all_rounds = lower_bounds.best_weights(joints)
+    drawn = first_strands(problem, 12, 5.0)
+    joints, covers = all_chains(problem, drawn), [strand.cover for strand in drawn]
+    once, _, rounds = lower_bounds.best_weights(joints, covers, Deadline(-np.inf))
+    some, _, more = lower_bounds.best_weights(joints, covers, Deadline(looks.now() + 2.5))
+    best, _, all_rounds = lower_bounds.best_weights(joints, covers)
     assert (rounds, more) == (1, 3)
     assert all_rounds > 3
     assert once <= some <= best
@@ -256,8 +260,8 @@ def test_after_its_time_limit_the_planner_asks_no_solver(monkeypatch):
         raise AssertionError("there is no time for this")
 
     monkeypatch.setattr(via_module, "free_path", refuse)
-    for name in ("shortest_times", "chain_weights"):
-        monkeypatch.setattr(lower_bounds, name, refuse)
+    monkeypatch.setattr(strands, "first_times", refuse)
+    monkeypatch.setattr(lower_bounds, "chain_weights", refuse)
     with supervised() as watch:
         proved = AnyMotionBound().bound(woodworking(), RunSettings("poly353", time_limit=1e-9))
     assert watch.deadline_reached
