@@ -95,7 +95,7 @@ def shortest_times(distance: float, start: Cells, end: Cells, rates: Floats, at_
 
 
 def first_times(distance: float, start: Cells, end: Cells, rates: Floats) -> Floats:
-    """What it takes at least to get as far, and from one velocity to the other; arguments as above."""
+    """Least times to get as far, and from one velocity to the other; arguments as above."""
     if distance < 0:
         start, end = start.mirrored, end.mirrored
     d, (velocity, acceleration, jerk) = abs(distance), map(float, rates)

@@ -1,4 +1,4 @@
-"""Linear program for the best weights of strands, given their chains of cells so far; see `baselines.bounds.lower_bounds`."""
+"""Linear program for the best weights of strands, given some chains of cells; see `baselines.bounds.lower_bounds`."""
 
 from __future__ import annotations
 

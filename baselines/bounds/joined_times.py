@@ -1,4 +1,4 @@
-"""Shortest time over a distance under limits of velocity, acceleration and jerk at once, given how a segment's ends allow it to begin.
+"""Shortest time over a distance under limits of velocity, acceleration and jerk at once.
 
 Let the velocity be at most a at first and b at last, its slope at first at most p and at last at least -q, and let its
 slope always be at most A and its bend at least -J and at most J. Then
@@ -103,7 +103,7 @@ def _rise(time: Floats, start: Floats, slope: float, acceleration: float, jerk: 
 def _guess(
     time: Floats, ends: tuple[Floats, Floats], slopes: tuple[float, float], acceleration: float, jerk: float
 ) -> tuple[Floats, Floats]:
-    """Where the parabola would touch F and B if both still bent there, or if neither did any more."""
+    """Instants at which the parabola would touch F and B if both still bent there, or if neither did any more."""
     (a, b), (p, q) = ends, slopes
     width = (time + (p + q) / jerk) / 2
     late = width > 2 * acceleration / jerk
@@ -123,7 +123,7 @@ def _touching(
     acceleration: float,
     jerk: float,
 ) -> tuple[Floats, Floats]:
-    """One step of Newton's method towards the instants at which the parabola touches F and B; their sum stays below the time."""
+    """One step of Newton's method towards the instants at which the parabola touches F and B, within the time."""
     first, rise, _ = _rise(t, ends[0], slopes[0], acceleration, jerk)
     last, fall, _ = _rise(s, ends[1], slopes[1], acceleration, jerk)
     left = np.maximum(time - t - s, SAFETY * time)
@@ -136,7 +136,7 @@ def _touching(
 
 
 def _ramp(start: Floats, slope: float, velocity: float, acceleration: float, jerk: float) -> tuple[Floats, Floats]:
-    """Time and integral of F and the parabola from it that ends at V without a slope; nothing where F starts too high."""
+    """Time and integral of F and the parabola from it to V without a slope; nothing where F starts too high."""
     steep = np.sqrt(np.maximum(jerk * (velocity - start) + slope**2 / 2, 0.0))
     possible, steep = steep >= max(slope, 0.0), np.minimum(steep, acceleration)
     bent = np.maximum(steep - slope, 0.0) / jerk

@@ -15,8 +15,8 @@ smaller, so leaving them out is safe.
 
     because each joint's own cells make one of the chains. The minimum over chains is found by dynamic programming.
     A joint may stand in this sum several times, through every waypoint and through every second, third ... one
-    (its strands): a motion passes these, too, and its time from one to the next is a sum of T_i, so that such a part has
-    one weight for all its segments. Step 1 forgets a joint's acceleration at every waypoint; where waypoints are
+    (its strands): a motion passes these, too, and its time from one to the next is a sum of T_i, so that such a part
+    has one weight for all its segments. Step 1 forgets a joint's acceleration at every waypoint; where waypoints are
     closer than jerk lets acceleration change, passing fewer of them says more.
 4.  Refinement. Let U be the duration of some feasible motion. If the sum in step 3, with one strand's chains forced
     through one cell, is more than U, no motion faster than U uses that cell: it is dropped. The cells that are left are
@@ -160,7 +160,7 @@ def straight_time(problem: Problem) -> float:
 def _refined(
     strands: list[Strand], joints: list[Chains], weights: list[Floats], known: float, most_cells: int, negligible: float
 ) -> tuple[list[Strand], list[Floats]]:
-    """Step 4: drop cells that no motion faster than the known one uses, and halve the others; drop strands without weight."""
+    """Step 4: drop cells that no motion faster than the known one uses, and halve the others; drop light strands."""
     values = [joint.cheapest(weight)[0] for joint, weight in zip(joints, weights, strict=True)]
     result = []
     for strand, joint, weight, value in zip(strands, joints, weights, values, strict=True):

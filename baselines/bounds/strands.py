@@ -1,4 +1,4 @@
-"""One joint through some of the waypoints: its cells there, and the least times between them; see `baselines.bounds.lower_bounds`."""
+"""One joint through some of the waypoints: cells and least times between them; see `baselines.bounds.lower_bounds`."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Chains:
 
 @dataclass(frozen=True, eq=False)
 class Strand:
-    """One joint through some of the waypoints, the first and the last among them: at each of these the cells that are left."""
+    """One joint through some of the waypoints, the first and the last among them: the cells that are left there."""
 
     joint: int
     points: NDArray[np.intp]
