@@ -27,7 +27,7 @@ from study.trajectory import Trajectory
 ROUNDS = 6
 """Number of rounds that add rows for the range of positions."""
 
-USUAL, NO_JERK, MIDDLING, FEW, FEWEST = 8, 5, 5, 4, 3
+USUAL, NO_JERK, MIDDLING, FEW, FEWEST = 8, 6, 5, 4, 3
 """Pieces per segment: usually, without jerk limits, for many waypoints, and for waypoints in close order, of which four
 are for jerk limits and up to `CLOSE` segments."""
 
