@@ -15,8 +15,9 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from scipy import optimize
 
+from study.deadline import NEVER, Deadline
 from study.planners.segment_times import SegmentTimePlanner, plan_segment_times
-from study.planning import RATE_LIMITS, Formulation, Freedom, Meter, Plan, RunSettings
+from study.planning import RATE_LIMITS, Formulation, Freedom, Meter, Plan, RunSettings, Status, Synchronisation
 from study.problem import Demand, Floats, Problem
 from study.search.bounds import BoundsRule
 from study.search.cma_es import CMAES
@@ -72,6 +73,21 @@ class DeterministicMinimiserPlanner(MinimiserPlanner):
     """Segment-time planner with an optimiser that draws no random numbers."""
 
     stochastic: ClassVar[bool] = False
+
+
+@dataclass(frozen=True)
+class DirectPlanner(DeterministicMinimiserPlanner):
+    """Segment-time planner with DIRECT, which needs long for an evaluation in many dimensions and so keeps the time limit."""
+
+    def plan(self, problem: Problem, settings: RunSettings) -> Plan:
+        """Divide within the settings' budget and time limit."""
+        deadline = Deadline.after(settings.time_limit)
+        plan = MinimiserPlanner(Direct(deadline), self.about, self.formulation).plan(problem, settings)
+        budget = settings.evaluations * (
+            problem.n_joints if settings.synchronisation is Synchronisation.PER_JOINT else 1
+        )
+        cut = plan.status is Status.FINISHED and plan.evaluations < budget and not deadline.left()
+        return replace(plan, status=Status.TIMED_OUT) if cut else plan
 
 
 class _SpentError(Exception):
@@ -168,13 +184,24 @@ class ScipyDE:
 
 @dataclass(frozen=True)
 class Direct:
-    """SciPy's DIRECT: divide the box into ever smaller rectangles, without random numbers, one evaluation at a time."""
+    """SciPy's DIRECT: divide the box into ever smaller rectangles, without random numbers, one evaluation at a time.
+
+    Attributes
+    ----------
+    deadline : Deadline
+        Never, by default.
+    """
+
+    deadline: Deadline = NEVER
 
     def minimise(self, meter: Meter, box: Box, population: int, rng: np.random.Generator) -> None:
-        """Divide until the budget is spent."""
+        """Divide until the budget is spent or it is too late."""
 
         def value(x: Floats) -> float:
-            return float(_spend(meter, x[None])[0])
+            found = float(_spend(meter, x[None])[0])
+            if self.deadline.passed():
+                raise _SpentError
+            return found
 
         with contextlib.suppress(_SpentError):
             optimize.direct(
@@ -230,9 +257,7 @@ LBFGSB_ONCE = DeterministicMinimiserPlanner(
     formulation=Formulation.SCALED,
 )
 SCIPY_DE = MinimiserPlanner(ScipyDE(), "differential evolution of SciPy")
-DIRECT = DeterministicMinimiserPlanner(
-    Direct(), "DIRECT of SciPy: divides the box of durations, draws no random number"
-)
+DIRECT = DirectPlanner(Direct(), "DIRECT of SciPy: divides the box of durations, draws no random number")
 CENTRE = DeterministicMinimiserPlanner(
     Centre(),
     "no search at all: the middle of the box of durations, stretched to the limits",

@@ -5,7 +5,7 @@ import pytest
 
 from baselines.free_path.nlp import FreePathNlp
 from study import JointLimits, Problem
-from study.planning import RunSettings, Status, usual_settings
+from study.planning import RunSettings, Status, Synchronisation, usual_settings
 from study.registry import planner_named
 from study.runs.execute import CellJob
 from study.store.results import Cell
@@ -13,7 +13,7 @@ from study.testing.stress import reference_planners
 
 POINTS = np.cumsum(np.random.default_rng(4).uniform(-0.5, 0.5, (5, 2)), axis=0)
 LIMITS = JointLimits([1.5] * 2, [5.0] * 2, [50.0] * 2)
-WITHOUT_CLOCK = {"centre", "direct", "lbfgsb-once", "ruckig-stops"}
+WITHOUT_CLOCK = {"centre", "lbfgsb-once", "ruckig-stops"}
 """Closed forms, and searches that end with their evaluations."""
 
 LATER = 10
@@ -42,6 +42,18 @@ def test_planners_ask_the_clock_and_stop(name, monkeypatch):
     assert clock.looks > 0
     assert clock.looks <= 1 / clock.pace + LATER
     assert result.status is Status.TIMED_OUT or clock.pace * clock.looks < 1 + clock.pace
+
+
+@pytest.mark.parametrize("synchronisation", Synchronisation)
+def test_direct_keeps_its_best_where_the_clock_ends_it(synchronisation, monkeypatch):
+    problem = Problem("walk", POINTS, JointLimits(LIMITS.velocity, LIMITS.acceleration))
+    settings = RunSettings("cubic-spline", evaluations=200, synchronisation=synchronisation)
+    done = planner_named("direct").plan(problem, settings)
+    monkeypatch.setattr("study.deadline.time", Clock(6.0))
+    cut = planner_named("direct").plan(problem, settings)
+    assert (done.status, cut.status) == (Status.FINISHED, Status.TIMED_OUT)
+    assert cut.evaluations < 20
+    assert cut.motion.duration >= done.motion.duration
 
 
 @pytest.mark.parametrize("name", ["free-path-nlp", "topp3-nlp", "ruckig-via", "bspline-nlp", "casadi-nlp", "copp"])
