@@ -66,5 +66,18 @@ def test_a_preparation_longer_than_the_time_limit_is_declined(name):
     assert "more than the time limit" in plan.message
 
 
+@pytest.mark.parametrize("name", ["bspline-nlp", "casadi-nlp"])
+def test_no_time_to_solve_is_said(name, monkeypatch):
+    if name not in reference_planners():
+        pytest.skip("a package is missing")
+    monkeypatch.setattr("study.deadline.time", Clock(1e3))
+    problem = Problem("walk", POINTS, LIMITS)
+    settings = RunSettings(usual_settings(problem).curve, time_limit=1.0)
+    result = CellJob(Cell("walk", name, name, settings), problem).run()
+    assert result.status is Status.TIMED_OUT
+    assert result.message.endswith("a time limit inside the planner was reached")
+    assert result.motion is None or result.feasible
+
+
 def test_the_preparation_grows_with_segments_and_joints():
     assert FreePathNlp.set_up * (len(POINTS) - 1) * 2 < 0.1

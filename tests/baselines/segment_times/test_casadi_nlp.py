@@ -18,7 +18,7 @@ from baselines.segment_times.starts import starts
 from study import EndCondition, JointLimits, Problem, StudyError, judge
 from study.curves import CURVES
 from study.formulation import Scaled
-from study.planning import RunSettings, Status
+from study.planning import RunSettings, Status, usual_settings
 from tests.helpers.segment_problems import BINDING, WOOD, WOODWORKING, random_problem, shape
 
 
@@ -142,6 +142,15 @@ def test_no_time_means_no_motion_or_an_unfinished_one() -> None:
     plan = CasadiNlp().plan(random_problem(9, 6, 3), RunSettings("cubic-spline", time_limit=1e-9))
     assert plan.status is not Status.FINISHED
     assert "time limit" in plan.message
+
+
+def test_two_waypoints_with_smooth_ends_are_declined_in_one_sentence() -> None:
+    problem = Problem(
+        "move", [[0.0, 0.0], [1.0, 0.5]], JointLimits([1.0] * 2, [2.0] * 2, [20.0] * 2), EndCondition.SMOOTH
+    )
+    plan = CasadiNlp().plan(problem, usual_settings(problem))
+    assert plan.status is Status.FAILED
+    assert plan.message == "the smooth cubic spline needs at least 3 waypoints, got 2; use ruckig-stops"
 
 
 def test_wrong_words_are_answered() -> None:
