@@ -15,6 +15,7 @@ from study.comparison.tables import p_value, probability
 from study.comparison.targets import target_name
 from study.planning import Freedom
 from study.suites.effects import Effect, against, control_of, effects, featured
+from study.suites.expense import expense
 from study.suites.law import committed_field
 from study.suites.measures import TIMES, Field, Score, scores, shifted_mean
 from study.suites.runs import Run
@@ -206,5 +207,7 @@ def result_grids(field: Field) -> list[Grid]:
 
 
 def results_in_markdown(suite: Suite) -> str:
-    """Write the committed results of a suite as tables with their captions."""
-    return "\n\n".join(f"{table.caption}\n\n{markdown(table)}" for table in result_grids(committed_field(suite)))
+    """Write the committed results of a suite as tables with their captions, and what the whole of it costs."""
+    field = committed_field(suite)
+    parts = [f"{table.caption}\n\n{markdown(table)}" for table in result_grids(field)]
+    return "\n\n".join(part for part in (*parts, expense(suite, field)) if part)
