@@ -24,7 +24,7 @@ from study.cases.own_file import schema
 from study.cases.suite_file import filed_suites
 from study.cases.suites import suite_named
 from study.cli.main import commands_with_names
-from study.registry import method_named, method_names
+from study.registry import method_named, method_names, peer_names
 from study.suites.law import committed_law
 from study.suites.records import records_table
 from study.suites.tables import results_in_markdown
@@ -139,7 +139,7 @@ def _ledger() -> str:
 
 def _planners() -> str:
     rows = ["| name | kind | may change | how it works |", "|---|---|---|---|"]
-    for name in method_names():
+    for name in sorted({*method_names()} - {*peer_names()}):
         method = method_named(name)
         rows.append(f"| `{name}` | {kind_of(method)} | {method.freedom} | {method.about} |")
     return "\n".join(rows)

@@ -2,6 +2,7 @@
 
 An entry point names an object that implements `study.planning.Planner` or `study.bounds.Bound`, or a class or function that
 makes one when called without arguments. Ours and a stranger's are found in the same way. A method is either of the two.
+Planners under `study.peers`, other packages' own, are the same but for one thing: they run only where they are asked for.
 """
 
 from __future__ import annotations
@@ -16,13 +17,19 @@ from study.code_digest import OURS, code_digest
 from study.errors import StudyError, unknown
 from study.planning import Planner, undescribed
 
-KINDS = {"planner": "study.planners", "bound": "study.bounds"}
-"""Entry-point group of every kind of method."""
+PEERS = "study.peers"
+KINDS = {"planner": ("study.planners", PEERS), "bound": ("study.bounds",)}
+"""Entry-point groups of every kind of method."""
 
 
 def planner_names() -> tuple[str, ...]:
     """List the names of all installed planners, in alphabetical order."""
     return tuple(sorted(_entries("planner", tuple(sys.path))))
+
+
+def peer_names() -> tuple[str, ...]:
+    """List the names of all installed planners that run only where they are asked for, in alphabetical order."""
+    return tuple(name for name in planner_names() if _entries("planner", tuple(sys.path))[name].group == PEERS)
 
 
 def bound_names() -> tuple[str, ...]:
@@ -105,7 +112,8 @@ def _method_entry(name: str) -> EntryPoint:
 @cache
 def _entries(kind: str, path: tuple[str, ...]) -> dict[str, EntryPoint]:
     """Entry points by name; the search path is part of the key, so a changed path is looked through again."""
-    return {entry.name: entry for entry in reversed(list(entry_points(group=KINDS[kind])))}
+    found = [entry for group in KINDS[kind] for entry in entry_points(group=group)]
+    return {entry.name: entry for entry in reversed(found)}
 
 
 def _entry(kind: str, name: str, path: tuple[str, ...]) -> EntryPoint:
@@ -124,7 +132,7 @@ def _load(kind: str, name: str, path: tuple[str, ...]) -> object:
         method = loaded() if isinstance(loaded, type) or (callable(loaded) and not hasattr(loaded, way)) else loaded
     except ModuleNotFoundError as error:
         raise StudyError(
-            f"{kind} {name!r} needs the Python package {error.name!r}, which is not installed; install it with pip"
+            f"{kind} {name!r} needs the Python package {error.name!r}, which is not installed; {_remedy(entry)}"
         ) from error
     except Exception as error:  # a stranger's module may raise anything on import
         raise StudyError(
@@ -133,3 +141,10 @@ def _load(kind: str, name: str, path: tuple[str, ...]) -> object:
     if reason := undescribed(method) if kind == "planner" else undescribed_bound(method):
         raise StudyError(f"{kind} {name!r} ({entry.value}) is not a {kind}: {reason}")
     return method
+
+
+def _remedy(entry: EntryPoint) -> str:
+    """How to install what a method needs: the extra that its entry point names."""
+    if not entry.extras or entry.dist is None:
+        return "install it with pip"
+    return f"install it with: pip install '{entry.dist.name}[{','.join(entry.extras)}]'"

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from study import EndCondition, JointLimits, Problem, StudyError, judge, plan
 from study.planning import RunSettings, usual_settings
-from study.registry import planner_named, planner_names, unavailable_planners
+from study.registry import peer_names, planner_named, planner_names, unavailable_planners
 from study.testing.stress import CRASH, ENDS, FEASIBLE, REASON, WRONG, Attempt, endure, problem_number, torture
 
 QUICK = ("casadi-nlp", "ruckig-stops", "toppra", "golds-pso", "random-search")
@@ -123,7 +123,7 @@ def problems(draw):
     return Problem("drawn", waypoints[keep], JointLimits(*rates), EndCondition.REST)
 
 
-INSTALLED = [name for name in planner_names() if name not in unavailable_planners()]
+INSTALLED = [name for name in planner_names() if name not in {*unavailable_planners(), *peer_names()}]
 EXPENSIVE = {
     "bspline-nlp",
     "certified",

@@ -14,11 +14,12 @@ OWNERS = {
     "toppra": (
         "baselines/path_timing/toppra.py",
         "baselines/path_timing/arm_limits.py",
+        "baselines/peers/toppra_package.py",
         "study/bench/references.py",
-        "study/bench/spline_peers.py",
         "study/bench/torque_peers.py",
-    ),  # in the bench as a peer, by its own defaults
-    "ruckig": ("baselines/state_to_state/moves.py", "study/bench/arm_peers.py", "study/bench/planner_parts.py"),
+    ),  # as a peer, by its own defaults
+    "ruckig": ("baselines/state_to_state/moves.py", "baselines/peers/ruckig_chain.py", "study/bench/planner_parts.py"),
+    **dict.fromkeys(("justblend", "roboplan", "tesseract_robotics", "pyroboplan"), ("baselines/peers/",)),
     "rerun": ("study/recording/",),
     "matplotlib": (
         "study/report/bars.py",

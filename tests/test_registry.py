@@ -1,9 +1,12 @@
+import sys
 from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
+from study import registry
 from study.bounds import kind_of
+from study.cases.library import load_case
 from study.demands import Demand
 from study.errors import StudyError
 from study.planning import RATE_LIMITS, Freedom, undescribed
@@ -11,6 +14,7 @@ from study.registry import (
     bound_names,
     method_named,
     method_names,
+    peer_names,
     planner_named,
     planner_names,
     planner_version,
@@ -27,9 +31,13 @@ from study.runs.lineup import (
     parse_specs,
 )
 from study.runs.selections import HEADLINE_SEARCHES, MODERN_SEARCHES
+from study.testing.stress import reference_planners
 
-EXTRAS = {"copp", "cma-es", "cma-es-own-population"}
+EXTRAS = {"copp", "cma-es", "cma-es-own-population", *peer_names()}
 """Planners whose packages are extras."""
+
+NAMES = ("COPP", "DIRECT", "Drake", "Ruckig", "TOPP-RA", "Tesseract")
+"""With which a description may begin in capitals."""
 
 BROKEN = {"stub-missing", "stub-broken", "stub-number"}
 
@@ -123,6 +131,24 @@ def test_no_planners_at_all_is_an_error():
         parse_specs(" , ")
 
 
+def test_peers_run_where_they_are_asked_for_and_nowhere_else():
+    assert {"drake-gcs", "ruckig-chain", "toppra-default"} <= set(peer_names()) < set(planner_names())
+    assert not {spec.planner for spec in full_lineup()} & set(peer_names())
+    assert not set(reference_planners()) & set(peer_names())
+    assert {cell.planner for cell in make_cells([load_case("woodworking")], [Spec("ruckig-chain")], Budget(1))} == {
+        "ruckig-chain"
+    }
+
+
+def test_a_missing_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pydrake", None)
+    monkeypatch.delitem(sys.modules, "baselines.peers.drake_kto", raising=False)
+    registry._load.cache_clear()
+    with pytest.raises(StudyError, match=r"install it with: pip install 'time-optimal-study\[arms\]'"):
+        planner_named("drake-kto")
+    registry._load.cache_clear()
+
+
 def test_default_lineup_has_each_headline_search_twice_and_each_deterministic_planner_and_bound():
     lineup = default_lineup()
     for name in set(HEADLINE_SEARCHES) & set(planner_names()):
@@ -132,13 +158,14 @@ def test_default_lineup_has_each_headline_search_twice_and_each_deterministic_pl
             else [Spec(name), Spec(name, "scaled", "shared")]
         )
         assert [spec for spec in lineup if spec.planner == name] == ways
-    deterministic = [name for name in loadable() if not planner_named(name).stochastic]
-    on_the_curve = [name for name in deterministic if planner_named(name).freedom is Freedom.CURVE]
+    own = set(loadable()) - set(peer_names())
+    deterministic = [name for name in own if not planner_named(name).stochastic]
+    on_the_curve = [name for name in sorted(deterministic) if planner_named(name).freedom is Freedom.CURVE]
     plain = sorted([*deterministic, *bound_names()])
     expected = [Spec(name) for name in plain] + [Spec(name, None, AS_IN_PAPER) for name in on_the_curve]
     assert [spec for spec in lineup if spec.planner not in HEADLINE_SEARCHES] == expected
     assert set(lineup) < set(full_lineup())
-    assert {spec.planner for spec in full_lineup()} == {*loadable(), *bound_names()}
+    assert {spec.planner for spec in full_lineup()} == {*own, *bound_names()}
 
 
 def test_joint_by_joint_runs_once_more_only_where_the_paper_does(tiny_case):
@@ -181,7 +208,7 @@ def test_a_planner_describes_itself_in_one_line_each():
         planner = planner_named(name)
         assert planner.about
         assert "\n" not in planner.about
-        assert planner.about[0].islower() or planner.about.startswith(("DIRECT", "Ruckig", "TOPP-RA"))
+        assert planner.about[0].islower() or planner.about.startswith(NAMES)
         assert undescribed(planner) == ""
     assert planner_named("ssa-as-printed").about.startswith(
         planner_named("ssa").about + "; its formulas exactly as printed"

@@ -1,31 +1,56 @@
 """The planner's two tiers next to other packages on problems of real arms: durations and processor time, in one run.
 
-A peer's motion that breaks a limit of rates is slowed down by the smallest exact factor; what the judge then passes is
+The peers are those that are registered. What is timed is the package's own work, without making its answer exact. A peer's motion that breaks a limit of rates is slowed down by the smallest exact factor; what the judge then passes is
 usable. The best peer of a problem is the one with the shortest usable motion.
 """
 
 from __future__ import annotations
 
-import importlib
-import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import geometric_mean, median
+from typing import Any, Protocol, cast
 
 import numpy as np
 
 from study.api import plan
-from study.bench.arm_peers import PEERS, Peer
 from study.bench.measuring import timed
-from study.bench.peers import installed
 from study.errors import StudyError
 from study.judge import judge
 from study.problem import Problem
+from study.registry import peer_names, planner_named, unavailable_planners
 from study.suites.tasks import arm_problems
+from study.trajectory import Motion
 
 REPETITIONS = 3
 CLOSE, MEAN, FAST = 1.001, 0.945, 2.0
 """Targets: the worst and the mean ratio of *best* to the best peer's duration, and of *fast* to a path timing's cost."""
+
+
+LIMIT = 60.0
+"""Seconds that a peer has, as far as it can be stopped."""
+
+
+class Peer(Protocol):
+    """Another package's way to plan, in two steps, as `baselines.peers` has them."""
+
+    outside: bool
+
+    def declines(self, problem: Problem, time_limit: float) -> str:
+        """Say why the package is not asked; empty where it is."""
+
+    def solve(self, problem: Problem, time_limit: float) -> Any:
+        """Ask the package."""
+
+    def motion(self, problem: Problem, answer: Any) -> Motion:
+        """Make an exact motion of its answer."""
+
+
+def timed_peers() -> dict[str, Peer]:
+    """Installed peers whose work is done in this process, which alone is measured."""
+    broken = unavailable_planners()
+    peers = {name: cast(Peer, planner_named(name)) for name in peer_names() if name not in broken}
+    return {name: peer for name, peer in peers.items() if not getattr(peer, "outside", True)}
 
 
 @dataclass(frozen=True)
@@ -79,10 +104,6 @@ class Row:
 
 def arm_rows(seed: int, told: Callable[[str], None], wanted: Sequence[str] = ()) -> list[Row]:
     """Ask the tiers and all peers that are installed, problem by problem; `wanted` names parts of problems' names."""
-    for package, logger in (("toppra", "toppra"), ("pydrake", "drake")):
-        if installed(package):
-            importlib.import_module(package)  # which sets up its logger
-            logging.getLogger(logger).setLevel(logging.ERROR)
     rows = []
     for problem in arm_problems(seed):
         if not wanted or any(part in problem.name for part in wanted):
@@ -92,7 +113,7 @@ def arm_rows(seed: int, told: Callable[[str], None], wanted: Sequence[str] = ())
 
 
 def _row(problem: Problem) -> Row:
-    answers = [_peer(problem, peer) for peer in PEERS if peer.plans(problem)]
+    answers = [_peer(problem, *each) for each in timed_peers().items() if not each[1].declines(problem, LIMIT)]
     return Row(problem.name, _tier(problem, "fast"), _tier(problem, "best"), tuple(answers))
 
 
@@ -107,16 +128,16 @@ def _tier(problem: Problem, name: str) -> Answer:
     return Answer(name, plan(problem, name).duration, 1.0, seconds)
 
 
-def _peer(problem: Problem, peer: Peer) -> Answer:
+def _peer(problem: Problem, name: str, peer: Peer) -> Answer:
     try:
-        answer, seconds = _timed(lambda: peer.solve(problem))
+        answer, seconds = _timed(lambda: peer.solve(problem, LIMIT))
         motion = peer.motion(problem, answer)
     except (RuntimeError, ValueError, TypeError, StudyError):  # a peer's way to say no
-        return Answer(peer.name, np.inf, 1.0, np.nan)
+        return Answer(name, np.inf, 1.0, np.nan)
     stretch = judge(problem, motion).stretch
     slowed = motion.scaled(stretch)
     usable = judge(problem, slowed).feasible
-    return Answer(peer.name, slowed.duration if usable else np.inf, stretch, seconds)
+    return Answer(name, slowed.duration if usable else np.inf, stretch, seconds)
 
 
 def said(row: Row) -> str:

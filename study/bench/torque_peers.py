@@ -16,7 +16,6 @@ from study.arm import ArmLimits
 from study.bench.measuring import timed
 from study.bench.peers import installed
 from study.bench.planner_parts import Part, Told
-from study.bench.spline_peers import at_constant_acceleration, spline_of, stations_of
 from study.judge import judge
 from study.mechanism import Mechanism
 from study.planning import usual_settings
@@ -25,6 +24,7 @@ from study.registry import planner_named
 from study.robots.masses import heavy_arm, without_friction
 from study.runs.execute import asked
 from study.slowing import slow_down
+from study.splines import at_constant_acceleration, spline_of, stations_of
 from study.trajectory import Motion
 
 POWER, SMALLEST = 0.5, 1e-3

@@ -30,7 +30,7 @@ from study.cli.shared import (
 )
 from study.errors import StudyError, plural
 from study.io.filenames import file_stem
-from study.registry import unavailable_planners
+from study.registry import peer_names, unavailable_planners
 from study.runs.execute import cell_jobs, stored_results
 from study.runs.lineup import (
     FULL_SEEDS,
@@ -124,8 +124,9 @@ def run(
     with Store(out / STORE_NAME) as store:
         store.note(SUITE_NOTE, None)
         remember_lineup(store, cells, {name: source for name, (_, source) in loaded.items()})
-        for reason in () if planners and planners != ["all"] else unavailable_planners().values():
-            complain(f"left out: {reason}")
+        for name, reason in unavailable_planners().items():
+            if (not planners or planners == ["all"]) and name not in peer_names():
+                complain(f"left out: {reason}")
         with watching(chosen, live, stored_results(store, cells, chosen) if live else ()) as watch:
             run_missing(cell_jobs(cells, chosen), store, console, workers, watch)
         results = stored_results(store, cells, chosen)

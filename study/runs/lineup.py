@@ -9,7 +9,7 @@ from study.bounds import is_stochastic
 from study.cases.library import Case
 from study.errors import StudyError, unknown
 from study.planning import Formulation, Freedom, RunSettings, Synchronisation
-from study.registry import method_named, method_names, unavailable_planners
+from study.registry import method_named, method_names, peer_names, unavailable_planners
 from study.runs.selections import HEADLINE_SEARCHES, MODERN_SEARCHES
 from study.store.results import Cell
 
@@ -117,7 +117,7 @@ def default_lineup(names: Iterable[str] | None = None) -> tuple[Spec, ...]:
     Deterministic planners share durations between the joints; those on the paper's curve run once more joint by joint where
     the paper does, so that the price of that rule can be told from the price of the search.
 
-    Planners that cannot be loaded are left out; `unavailable_planners` names them.
+    Planners that cannot be loaded are left out; `unavailable_planners` names them. So are other packages' own, the peers.
 
     Parameters
     ----------
@@ -134,13 +134,13 @@ def default_lineup(names: Iterable[str] | None = None) -> tuple[Spec, ...]:
 
 
 def full_lineup() -> tuple[Spec, ...]:
-    """Every installed planner in the ways of the default line-up."""
+    """Every installed planner but the peers in the ways of the default line-up."""
     return default_lineup([name for name in _available() if is_stochastic(method_named(name))])
 
 
 def _available() -> list[str]:
-    broken = unavailable_planners()
-    return [name for name in method_names() if name not in broken]
+    without = {*unavailable_planners(), *peer_names()}
+    return [name for name in method_names() if name not in without]
 
 
 def make_cells(cases: Iterable[Case], specs: Sequence[Spec], budget: Budget) -> list[Cell]:

@@ -9,7 +9,7 @@ from study.bounds import is_stochastic
 from study.cases.case import Case
 from study.cases.suites import PAPERS, Suite
 from study.errors import StudyError, unknown
-from study.registry import method_named, unavailable_planners
+from study.registry import method_named, peer_names, unavailable_planners
 from study.runs.lineup import Budget, Spec, make_cells
 from study.store.results import Cell
 from study.suites.scaling import QUICK
@@ -36,6 +36,9 @@ SEARCHES: Mapping[str, float] = dict.fromkeys(
     20.0,
 )  # fmt: skip
 """Searches in the scaled formulation, all joints together: seconds for one run."""
+
+PEER = 10.0
+"""Seconds that every peer has for one problem; those that cannot be stopped decline what takes longer."""
 
 QUICK_EVALUATIONS, FULL_EVALUATIONS = (1_000, 10_000), (1_000, 10_000, 100_000)
 QUICK_SEEDS, FULL_SEEDS = 3, 10
@@ -67,20 +70,25 @@ LINEUPS = {
         Lineup("growth", "the optima of curve and free path, and the searches at growing budgets", OPTIMA, SEARCHES),
     )
 }
+PEERS = "peers"
 USUAL = {"scaling": "growth", "scaling-second": "growth"}
 """Line-up of a suite where it is not the deterministic one; the papers have the default run's."""
 
 
 def lineup_named(name: str) -> Lineup:
-    """Line-up of a name.
+    """Line-up of a name; that of the peers has every one that is registered, installed or not.
 
     Raises
     ------
     StudyError
         If there is none.
     """
+    if name == PEERS:
+        return Lineup(
+            PEERS, "other packages, each set up as its own users would", dict.fromkeys(peer_names(), PEER), {}
+        )
     if name not in LINEUPS:
-        raise unknown("line-up", name, LINEUPS)
+        raise unknown("line-up", name, (*LINEUPS, PEERS))
     return LINEUPS[name]
 
 

@@ -46,7 +46,8 @@ def check_planner(
     Its answers must be plans; what it calls finished must pass the judge; its evaluations must stay within the budget; the
     same seed must give the same bytes; problems and NumPy's global random state must stay as they were; a failure
     must have a reason; and at least one problem must be solved. Problems with demands that it does not know are left out, and
-    where it does not know a limit of rates or positions, its motion may break it.
+    where it does not know a limit of rates or positions, its motion may break it; it has then solved the problem if a slower
+    run keeps the limits.
 
     Parameters
     ----------
@@ -95,7 +96,7 @@ def _solves(planner: Planner, problem: Problem, settings: RunSettings, may_be_in
     verdict = judge(problem, first.motion)
     promised = first.status is Status.FINISHED and not may_be_infeasible and problem.demands <= planner.knows
     _require(verdict.feasible or not promised, f"{where} its motion is infeasible: {'; '.join(verdict.reasons)}")
-    return verdict.feasible
+    return verdict.feasible or (not promised and judge(problem, first.motion.scaled(verdict.stretch)).feasible)
 
 
 def _answer(planner: Planner, problem: Problem, settings: RunSettings, where: str) -> Plan | StudyError:

@@ -15,7 +15,7 @@ from study.errors import StudyError
 from study.judge import judge
 from study.planning import RunSettings, Status, usual_settings
 from study.problem import Problem
-from study.registry import planner_named, planner_names, unavailable_planners
+from study.registry import peer_names, planner_named, planner_names, unavailable_planners
 from study.runs.pool import Overdue, WorkerDied, WorkerPool
 from study.slowing import fitted, told
 from study.testing import random_problem
@@ -64,8 +64,8 @@ class AttemptEnd:
 
 
 def reference_planners() -> list[str]:
-    """Deterministic planners that can be loaded."""
-    usable = [name for name in planner_names() if name not in unavailable_planners()]
+    """Deterministic planners that can be loaded, without the peers."""
+    usable = [name for name in planner_names() if name not in {*unavailable_planners(), *peer_names()}]
     return [name for name in usable if not planner_named(name).stochastic]
 
 

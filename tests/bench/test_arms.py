@@ -3,36 +3,23 @@
 import numpy as np
 import pytest
 
-from study.bench.arm_peers import PEERS
-from study.bench.arms import Answer, Row, said, summary
+from study.bench.arms import Answer, Row, _peer, said, summary, timed_peers
 from study.bench.parts import PARTS, measured
-from study.bench.spline_peers import stations_of
 from study.errors import StudyError
-from study.judge import judge
+from study.splines import stations_of
 from study.suites.tasks import arm_problems
 
-PROBLEMS = {problem.name: problem for problem in arm_problems(0) if "pick5" in problem.name}
+PROBLEM = next(problem for problem in arm_problems(0) if problem.name == "ur5e-pick5")
 
 
-@pytest.mark.parametrize("peer", [peer for peer in PEERS if peer.package != "pydrake"], ids=lambda peer: peer.name)
-def test_a_peers_motion_passes_all_waypoints_and_needs_little_stretching(peer):
-    problem = PROBLEMS["ur5e-pick5" if True in peer.jerk else "ur5e-pick5-va"]
-    if not peer.plans(problem):
-        pytest.skip(f"{peer.package} is not installed")
-    motion = peer.motion(problem, peer.solve(problem))
-    verdict = judge(problem, motion)
-    assert verdict.stretch < 1.2
-    assert judge(problem, motion.scaled(verdict.stretch)).feasible
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["ur5e-pick5", "ur5e-pick5-va"])
-def test_drakes_motions_keep_the_limits_as_they_are(name):
-    problem = PROBLEMS[name]
-    for peer in PEERS:
-        if peer.package == "pydrake" and peer.plans(problem):
-            motion = peer.motion(problem, peer.solve(problem))
-            assert judge(problem, motion.scaled(1 + 1e-4)).feasible, peer.name
+def test_the_bench_takes_the_registered_peers_and_times_their_own_work():
+    peers = timed_peers()
+    assert {"toppra-natural", "ruckig-chain"} <= set(peers)
+    assert not [name for name in peers if name.startswith("tesseract")]  # which work elsewhere
+    answer = _peer(PROBLEM, "ruckig-chain", peers["ruckig-chain"])
+    assert answer.stretch == pytest.approx(1.0)
+    assert 0 < answer.duration < np.inf
+    assert answer.seconds > 0
 
 
 def test_gridpoints_hold_all_knots():

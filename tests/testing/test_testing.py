@@ -17,7 +17,7 @@ from study.problem import Demand, EndCondition, Problem
 from study.registry import method_named, method_names, planner_named, planner_names, unavailable_planners
 from study.search.random_search import RandomSearch
 from study.testing import NonconformingError, check_bound, check_planner, check_search, example_problems, random_problem
-from study.testing.stress import problem_number
+from study.testing.stress import problem_number, reference_planners
 
 SLOW = {
     *("any-motion-bound", "bspline-nlp", "certified", "free-path-nlp"),
@@ -295,9 +295,7 @@ def test_what_a_planner_does_not_know_it_declines_itself_before_it_runs(name):
         assert plan.message == refusal(problem.planner_demands, planner.knows)
 
 
-QUIET = sorted(
-    name for name in set(planner_names()) - set(unavailable_planners()) if not planner_named(name).stochastic
-)
+QUIET = sorted(reference_planners())
 
 
 @pytest.mark.parametrize("name", [*[pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in QUIET], "pso"])
