@@ -21,6 +21,6 @@ any-motion-bound no motion at all: a proved lower bound           cells of veloc
 ================ ================================================ ================================= ====================
 
 Folders: `segment_times` (durations on a curve), `path_timing` (speed along a path), `state_to_state` (Ruckig),
-`free_path`, `bounds`. Shared: `base` (still joints, joints alone), `units`, `ipopt` (CasADi in one thread at a time),
-`closed_forms`.
+`free_path`, `bounds`, and `peers` (other packages, not in the table). Shared: `base` (still joints, joints alone),
+`units`, `ipopt` (CasADi in one thread at a time), `closed_forms`.
 """

@@ -112,8 +112,8 @@ def _method_entry(name: str) -> EntryPoint:
 @cache
 def _entries(kind: str, path: tuple[str, ...]) -> dict[str, EntryPoint]:
     """Entry points by name; the search path is part of the key, so a changed path is looked through again."""
-    found = [entry for group in KINDS[kind] for entry in entry_points(group=group)]
-    return {entry.name: entry for entry in reversed(found)}
+    several = [entry for group in KINDS[kind] for entry in entry_points(group=group)]
+    return {entry.name: entry for entry in reversed(several)}
 
 
 def _entry(kind: str, name: str, path: tuple[str, ...]) -> EntryPoint:
@@ -144,7 +144,7 @@ def _load(kind: str, name: str, path: tuple[str, ...]) -> object:
 
 
 def _remedy(entry: EntryPoint) -> str:
-    """How to install what a method needs: the extra that its entry point names."""
+    """Way to install the package that a method needs: the extra that its entry point names."""
     if not entry.extras or entry.dist is None:
         return "install it with pip"
     return f"install it with: pip install '{entry.dist.name}[{','.join(entry.extras)}]'"

@@ -1,4 +1,4 @@
-"""What all peers share: what a package cannot do is said before it is asked, and its answer becomes an exact motion."""
+"""Common part of all peers: they decline beforehand what a package cannot do, and make exact motions of its answers."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """COPP's open core as its users take it, along splines in several parametrizations; the extra `copp`.
 
-`copp-topp2-*` find path speeds under limits of velocity and acceleration, `copp-topp3-*` go on from there with limits of
-jerk, by one round of the cone program about TOPP2-RA's profile. Limits hold at stations, and jerk in linearised form.
+`copp-topp2-*` find path speeds under limits of velocity and acceleration, `copp-topp3-*` go on from there with limits
+of jerk, by one round of the cone program about TOPP2-RA's profile. Limits hold at stations, and jerk in linearised
+form.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
 """Drake's GcsTrajectoryOptimization: a Bezier curve for each segment, waypoints as points between them; extra `arms`.
 
-There is one region, the range of positions, so that the graph is a chain and its convex relaxation has nothing to choose.
-Limits of acceleration and jerk are nonlinear in curve and duration, so SNOPT solves the restriction. Order 9 with limits of
-jerk, else 7.
+There is one region, the range of positions, so that the graph is a chain and its convex relaxation has nothing to
+choose. Limits of acceleration and jerk are nonlinear in curve and duration, so SNOPT solves the restriction. Order 9
+with limits of jerk, else 7.
 
 References
 ----------
-T. Marcucci, M. Petersen, D. von Wrangel, R. Tedrake, Motion planning around obstacles with convex optimization, Science
-Robotics 8(84), 2023.
+T. Marcucci, M. Petersen, D. von Wrangel, R. Tedrake, Motion planning around obstacles with convex optimization,
+Science Robotics 8(84), 2023.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
 """Drake's KinematicTrajectoryOptimization: one B-spline and its duration, by SNOPT; the extra `arms`.
 
-The waypoints' places on the curve cannot be optimised, so they are given: those of TOPP-RA's motion along a centripetal
-spline, which is also the start. Limits hold on control points. Order 5 with limits of jerk, else 4; two control points and
-more for each waypoint.
+The waypoints' places on the curve cannot be optimised, so they are given: those of TOPP-RA's motion along a
+centripetal spline, which is also the start. Limits hold on control points. Order 5 with limits of jerk, else 4; two
+control points and more for each waypoint.
 
 References
 ----------
-Drake, class KinematicTrajectoryOptimization, and its notebooks' use of it.
+R. Tedrake and the Drake development team, Drake: model-based design and verification for robotics, 2019.
 """
 
 from __future__ import annotations

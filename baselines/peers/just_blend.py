@@ -1,6 +1,7 @@
-"""justblend as its users take it where every point counts: straight lines with a stop at each waypoint; extra `justblend`.
+"""justblend as its users take it where every point counts: straight lines with a stop at each waypoint.
 
-Its blends cut corners, so that the motion passes beside the waypoints; where all are to be passed, only STRICT_CORNERS is left.
+The extra `justblend`. Its blends cut corners, so that the motion passes beside the waypoints; where all are to be
+passed, only STRICT_CORNERS is left.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class JustBlend(Peer):
         return generator.generate(problem.waypoints)
 
     def motion(self, problem: Problem, answer: Any) -> Trajectory:
-        """Take the states of the package where its phases begin and halfway; raises ValueError where it has other phases."""
+        """Take the package's states where its phases begin and halfway; ValueError where its phases are others."""
         lines = list(zip(answer.segments(), np.diff(problem.waypoints, axis=0), strict=True))
         phases = [_phases(line.length, _scalars(problem, step)) for line, step in lines]
         wanted, widths = np.array([line.duration for line, _ in lines]), np.array([sum(phase) for phase in phases])

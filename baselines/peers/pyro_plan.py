@@ -1,8 +1,9 @@
 """pyroboplan's CubicTrajectoryOptimization: one cubic for each segment by direct collocation and SNOPT.
 
-Nothing makes its acceleration zero at the ends, so it declines a problem that asks for that. Velocity and position are held
-at 11 instants of each segment, the package's default; the start is the middle of the allowed durations. The package pins matplotlib, pin and toppra to versions other than ours, so no extra brings it: `pip install --no-deps pyroboplan`
-beside the extras `arms` and `dynamics` does.
+Nothing makes its acceleration zero at the ends, so it declines a problem that asks for that. Velocity and position
+are held at 11 instants of each segment, the package's default; the start is the middle of the allowed durations. The
+package pins matplotlib, pin and toppra to versions other than ours, so no extra brings it: `pip install --no-deps
+pyroboplan` beside the extras `arms` and `dynamics` does.
 
 References
 ----------

@@ -1,7 +1,7 @@
 """roboplan's time parameterization: TOPP-RA along a cubic spline, sampled every 4 ms; the extra `roboplan`.
 
-Its usual mode, Hermite, stops at every waypoint; Cubic goes on without a stop. LinearBlend cuts corners on purpose and is
-left out. What the samples say is joined by quintics, as controllers do.
+Its usual mode, Hermite, stops at every waypoint; Cubic goes on without a stop. LinearBlend cuts corners on purpose
+and is left out. What the samples say is joined by quintics, as controllers do.
 """
 
 from __future__ import annotations

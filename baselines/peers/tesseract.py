@@ -1,13 +1,15 @@
 """Tesseract's time parameterizations, TOTG and ISP, in a process of their own; the extra `tesseract`.
 
-The package brings a C++ runtime of its own, which cannot be loaded after an older one that SciPy has loaded. Its answer is
-one state at each waypoint: position, velocity, acceleration and time. ISP's are joined by quintics, as controllers do, which
-gives its own cubics. TOTG times lines with corners cut by at most `path_tolerance`, set to 0.001 rad from 0.1, but answers
-with the waypoints themselves, so that its rates belong to another path; a spline through positions and times is taken.
+The package brings a C++ runtime of its own, which cannot be loaded after an older one that SciPy has loaded. Its
+answer is one state at each waypoint: position, velocity, acceleration and time. ISP's are joined by quintics, as
+controllers do, which gives its own cubics. TOTG times lines with corners cut by at most `path_tolerance`, set to
+0.001 rad from 0.1, but answers with the waypoints themselves, so that its rates belong to another path; a spline
+through positions and times is taken.
 
 References
 ----------
-T. Kunz, M. Stilman, Time-optimal trajectory generation for path following with bounded acceleration and velocity, RSS 2012.
+T. Kunz, M. Stilman, Time-optimal trajectory generation for path following with bounded acceleration and velocity, RSS
+2012.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The process that asks Tesseract: a question as JSON on standard input, the states as JSON in the last line of the output.
+"""The process that asks Tesseract: a question as JSON on standard input, states as JSON in the output's last line.
 
 It imports nothing of this project, so that nothing loads another C++ runtime first.
 """
@@ -66,9 +66,9 @@ def states(asked: dict[str, Any]) -> list[Any]:
     method = timing.TimeOptimalTrajectoryGeneration() if totg else timing.IterativeSplineParameterization()
     if not method.compute(moves, environment(asked["urdf"], asked["names"]), profiles):
         raise RuntimeError("the time parameterization failed")
-    found = timing.InstructionsTrajectory(moves)
-    getters = (found.getTimeFromStart, found.getPosition, found.getVelocity, found.getAcceleration)
-    return [[numpy.asarray(get(k)).tolist() for k in range(found.size())] for get in getters]
+    timed = timing.InstructionsTrajectory(moves)
+    getters = (timed.getTimeFromStart, timed.getPosition, timed.getVelocity, timed.getAcceleration)
+    return [[numpy.asarray(get(k)).tolist() for k in range(timed.size())] for get in getters]
 
 
 if __name__ == "__main__":

@@ -1,7 +1,8 @@
 """The package toppra as its users take it: gridpoints and a parametrizer, one pass, no check in between.
 
-`toppra-natural` and `toppra-centripetal` keep constant path acceleration between gridpoints of our choice. `toppra-default`
-is the first example of the package's own documentation: its own gridpoints and its default, a spline in time.
+`toppra-natural` and `toppra-centripetal` keep constant path acceleration between gridpoints of our choice.
+`toppra-default` is the first example of the package's own documentation: its own gridpoints and its default, a spline
+in time.
 """
 
 from __future__ import annotations
