@@ -1,20 +1,20 @@
 """justblend as its users take it where every point counts: straight lines with a stop at each waypoint.
 
 The extra `justblend`. Its blends cut corners, so that the motion passes beside the waypoints; where all are to be
-passed, only STRICT_CORNERS is left.
+passed, only STRICT_CORNERS is left. It goes on without a stop where neighbouring lines are one but for about 1e-7.
 """
 
 from __future__ import annotations
 
 import importlib
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from baselines.base import along
 from baselines.peers.base import Peer, needs, through_phases
-from study.planning import RATE_LIMITS
-from study.problem import Demand, Floats, Problem
+from study.problem import Floats, Problem
 from study.trajectory import Trajectory
 
 needs("justblend")
@@ -27,7 +27,6 @@ class JustBlend(Peer):
     """Planner `justblend-stop`: S-curves, without jerk limits trapezoids of velocity, along straight lines."""
 
     about = "justblend's S-curves along straight lines, with a stop at each waypoint"
-    knows: ClassVar[frozenset[Demand]] = RATE_LIMITS
 
     def solve(self, problem: Problem, time_limit: float) -> Any:
         """Generate the package's trajectory."""
@@ -42,9 +41,10 @@ class JustBlend(Peer):
 
     def motion(self, problem: Problem, answer: Any) -> Trajectory:
         """Take the package's states where its phases begin and halfway; ValueError where its phases are others."""
-        lines = list(zip(answer.segments(), np.diff(problem.waypoints, axis=0), strict=True))
-        phases = [_phases(line.length, _scalars(problem, step)) for line, step in lines]
-        wanted, widths = np.array([line.duration for line, _ in lines]), np.array([sum(phase) for phase in phases])
+        speeds = np.asarray(answer.junction_speeds())  # above zero where neighbouring lines are one
+        lines = list(zip(answer.segments(), np.diff(problem.waypoints, axis=0), speeds[:-1], speeds[1:], strict=True))
+        phases = [_phases(line.length, *ends, _scalars(problem, step)) for line, step, *ends in lines]
+        wanted, widths = np.array([line.duration for line, *_ in lines]), np.array([sum(phase) for phase in phases])
         if not np.allclose(widths, wanted, rtol=CLOSE, atol=0):
             raise ValueError("justblend's lines do not take the time of the known phases")
         phases = [phase[phase > CLOSE * phase.sum()] for phase in phases]
@@ -64,17 +64,17 @@ def _scalars(problem: Problem, step: Floats) -> Floats:
     return along(step / np.linalg.norm(step), problem.limits.lowest_rates, problem.limits.highest_rates)
 
 
-def _phases(length: float, limits: Floats) -> Floats:
-    """Durations of the phases of the fastest symmetric move over a length, s."""
+def _phases(length: float, first: float, last: float, limits: Floats) -> Floats:
+    """Durations of the phases of the fastest move over a length between two speeds, s: up, along and down."""
     velocity, acceleration, jerk = limits
-    ramp = acceleration / jerk  # nothing where jerk is unlimited
-    rise = velocity / acceleration + ramp if velocity >= acceleration * ramp else 2 * np.sqrt(velocity / jerk)
-    if velocity * rise >= length:
-        rise = (ramp + np.sqrt(ramp**2 + 4 * length / acceleration)) / 2
-        if rise < 2 * ramp:
-            rise = 2 * (length / (2 * jerk)) ** (1 / 3)
-        still = 0.0
-    else:
-        still = length / velocity - rise
-    ramp = min(ramp, rise / 2)
-    return np.array([ramp, rise - 2 * ramp, ramp, still, ramp, rise - 2 * ramp, ramp])
+
+    def change(step: float) -> Floats:  # jerk, no jerk, jerk back; infinite jerk takes no time
+        ramp = min(acceleration / jerk, np.sqrt(step / jerk))
+        return np.array([ramp, max(step / acceleration - ramp, 0.0), ramp])
+
+    def room(top: float) -> float:  # what is left of the length at a top speed
+        up, down = change(top - first).sum(), change(top - last).sum()
+        return float(length - (first + top) / 2 * up - (top + last) / 2 * down)
+
+    top = velocity if room(velocity) >= 0 else brentq(room, max(first, last), velocity, xtol=1e-15, rtol=1e-15)
+    return np.array([*change(top - first), max(room(top), 0.0) / top, *change(top - last)])

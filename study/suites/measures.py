@@ -77,6 +77,9 @@ def shifted_mean(gaps: Sequence[float]) -> float:
     return float(np.exp(np.log(np.maximum(counted, 0.0) + SHIFT).mean()) - SHIFT)
 
 
+BROKEN = "breaks limits"
+
+
 @dataclass(frozen=True)
 class Score:
     """One method over a suite.
@@ -95,6 +98,8 @@ class Score:
         Median.
     failures : mapping of str to int
         Reasons, by how the runs ended.
+    excess : float
+        By how much more time the runs that break limits would keep them, the median; 0 where none does.
     """
 
     method: str
@@ -108,6 +113,7 @@ class Score:
     gap_any: float
     wall_time: float
     failures: Mapping[str, int]
+    excess: float
 
 
 def scores(field: Field) -> list[Score]:
@@ -121,6 +127,7 @@ def _score(field: Field, name: str, runs: Sequence[Run]) -> Score:
     gaps = np.array([field.gap(run, own_kind=False) for run in runs])
     walls = np.array([run.wall_time for run in runs])
     near = gaps <= NEAR
+    broken = [run.stretch for run in runs if not run.feasible and _ending(run) == BROKEN]
     return Score(
         method=name,
         kind=runs[0].kind,
@@ -133,6 +140,7 @@ def _score(field: Field, name: str, runs: Sequence[Run]) -> Score:
         gap_any=shifted_mean(gaps.tolist()),
         wall_time=float(np.median(walls)),
         failures=Counter(_ending(run) for run in runs if not run.feasible),
+        excess=float(np.median(broken)) - 1.0 if broken else 0.0,
     )
 
 
@@ -140,7 +148,7 @@ def _ending(run: Run) -> str:
     if run.status == "NOT_APPLICABLE":
         return "does not apply"
     if np.isfinite(run.duration):
-        return "breaks limits" if run.stretch > 1.0 else "misses another demand"
+        return BROKEN if run.stretch > 1.0 else "misses another demand"
     return "out of time" if run.status == "TIMED_OUT" else "no motion"
 
 

@@ -17,7 +17,7 @@ from study.planning import Freedom
 from study.suites.effects import Effect, against, control_of, effects, featured
 from study.suites.expense import expense
 from study.suites.law import committed_field
-from study.suites.measures import TIMES, Field, Score, scores, shifted_mean
+from study.suites.measures import BROKEN, TIMES, Field, Score, scores, shifted_mean
 from study.suites.runs import Run
 from study.suites.targets import TARGETS, Cost, costs
 
@@ -30,6 +30,12 @@ def _near(number: int) -> Column[Score]:
     return Column("", f"Near {TIMES[number]:g} s", lambda score: score.within[number], _share)
 
 
+def _ended(score: Score, reason: str) -> str:
+    """Number of failures of a kind; of broken limits with the slowdown that would keep them."""
+    cure = f" (slower by {percent(score.excess, signed=False)})" if reason == BROKEN else ""
+    return f"{score.failures[reason]} {reason}{cure}"
+
+
 SCORE_COLUMNS: tuple[Column[Score], ...] = (
     Column("", "Method", lambda score: score.method),
     Column("", "Kind", lambda score: score.kind),
@@ -38,7 +44,7 @@ SCORE_COLUMNS: tuple[Column[Score], ...] = (
     Column("", "Own kind", lambda score: score.gap_own, percent),
     *(_near(number) for number in range(len(TIMES))),
     Column("", "Median time", lambda score: score.wall_time, wall),
-    Column("", "Failures", lambda score: "\n".join(f"{n} {reason}" for reason, n in score.failures.items())),
+    Column("", "Failures", lambda score: "\n".join(_ended(score, reason) for reason in score.failures)),
 )
 
 

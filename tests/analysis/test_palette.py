@@ -6,9 +6,11 @@ from itertools import product
 
 import numpy as np
 import pytest
+from jinja2 import Environment, PackageLoader
 
 from study.analysis.palette import DARK, LIGHT, SLOTS, method_slots, rgb, terminal_color
 from study.registry import planner_names
+from study.report.plot_style import SERIES, STROKES
 from study.runs.selections import COMPARED, HEADLINE_SEARCHES
 
 EYES = {
@@ -68,3 +70,11 @@ def test_a_terminal_takes_the_colour_between_the_two() -> None:
     assert terminal_color(0) == "#{:02x}{:02x}{:02x}".format(
         *((a + b) // 2 for a, b in zip(rgb(0, LIGHT), rgb(0, DARK), strict=True))
     )
+
+
+def test_every_style_has_a_mark() -> None:
+    environment = Environment(loader=PackageLoader("study.report", "templates"), autoescape=True)
+    marker = environment.get_template("macros.html.j2", globals={"strokes": STROKES}).module.marker
+    marks = [str(marker(style)).strip() for style in range(len(SERIES))]
+    assert all(marks)
+    assert len(set(marks)) == SLOTS

@@ -38,6 +38,7 @@ def test_a_failure_counts_in_every_number(field):
     assert first.within == (1.0, 1.0, 1.0)
     assert (last.method, last.feasible, last.runs, last.near) == ("slow", 1, 2, 0.0)
     assert last.failures == {"breaks limits": 1}
+    assert (first.excess, last.excess) == (0.0, pytest.approx(BROKEN.stretch - 1.0))
     assert last.gap_any == pytest.approx(math.sqrt(0.51 * 10.01) - 0.01)
     assert last.gap_own == pytest.approx(math.sqrt(0.01 * 10.01) - 0.01)
 

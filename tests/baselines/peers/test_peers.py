@@ -52,6 +52,14 @@ def test_peers_of_one_kind_agree():
     assert times[0] == pytest.approx(times[-1], rel=1e-9)
 
 
+def test_justblend_goes_on_where_the_line_does():
+    stop, chain = peer_or_skip("justblend-stop"), planner_named("ruckig-chain")
+    problem = suite_named("hard").cases["hard:straight-line-jerk"].problem
+    plan = stop.plan(problem, usual_settings(problem))
+    assert judge(problem, plan.motion).stretch < 1 + 1e-5
+    assert plan.motion.duration < 0.5 * chain.plan(problem, usual_settings(problem)).motion.duration
+
+
 class Fussy(Peer):
     about = "raises what it is told to"
     jerk = (False,)
