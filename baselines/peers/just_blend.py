@@ -7,6 +7,7 @@ passed, only STRICT_CORNERS is left. It goes on without a stop where neighbourin
 from __future__ import annotations
 
 import importlib
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -42,9 +43,10 @@ class JustBlend(Peer):
     def motion(self, problem: Problem, answer: Any) -> Trajectory:
         """Take the package's states where its phases begin and halfway; ValueError where its phases are others."""
         speeds = np.asarray(answer.junction_speeds())  # above zero where neighbouring lines are one
-        lines = list(zip(answer.segments(), np.diff(problem.waypoints, axis=0), speeds[:-1], speeds[1:], strict=True))
-        phases = [_phases(line.length, *ends, _scalars(problem, step)) for line, step, *ends in lines]
-        wanted, widths = np.array([line.duration for line, *_ in lines]), np.array([sum(phase) for phase in phases])
+        lines = answer.segments()
+        every = zip(lines, np.diff(problem.waypoints, axis=0), pairwise(speeds), strict=True)
+        phases = [_phases(line.length, *ends, _scalars(problem, step)) for line, step, ends in every]
+        wanted, widths = np.array([line.duration for line in lines]), np.array([sum(phase) for phase in phases])
         if not np.allclose(widths, wanted, rtol=CLOSE, atol=0):
             raise ValueError("justblend's lines do not take the time of the known phases")
         phases = [phase[phase > CLOSE * phase.sum()] for phase in phases]

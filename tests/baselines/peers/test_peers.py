@@ -13,7 +13,7 @@ from study.registry import peer_names, planner_named, unavailable_planners
 from study.runs.execute import CellJob
 from study.store.results import Cell
 from study.suites.lineups import lineup_named, suite_cells
-from study.suites.measures import runs_of
+from study.suites.runs import runs_of
 from study.testing import example_problems
 
 EXAMPLES = {problem.name: problem for problem in example_problems()}
