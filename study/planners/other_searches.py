@@ -198,10 +198,10 @@ class Direct:
         """Divide until the budget is spent or it is too late."""
 
         def value(x: Floats) -> float:
-            found = float(_spend(meter, x[None])[0])
+            duration = float(_spend(meter, x[None])[0])
             if self.deadline.passed():
                 raise _SpentError
-            return found
+            return duration
 
         with contextlib.suppress(_SpentError):
             optimize.direct(
