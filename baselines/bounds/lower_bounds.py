@@ -57,7 +57,7 @@ SMOOTHING = 0.5
 ROUNDS, TOLERANCE, WEIGHTS_TOLERANCE = 60, 1e-4, 1e-4
 """Linear programs per refinement, and the relative distance to the best that any weights can do at which they end."""
 
-STRIDES = (1, 2, 3, 5, 8)
+STRIDES = (1, 2, 3, 4, 6, 8)
 """Of the strands: every waypoint, every second and so on."""
 
 MOST_PAIRS = 1e7
