@@ -52,7 +52,10 @@ def samples_from_documents(contents: Sequence[Any], where: str) -> Samples | Non
             samples.noting("not used: the trajectory of joints with several degrees of freedom") if frames else samples
         )
     states = list(_holding(contents, ("name", "position")))
-    return _states(states, where) if states and isinstance(states[0]["name"], list) else None
+    states = [
+        state for state in states if isinstance(state["name"], list)
+    ]  # other things have a name and a position too
+    return _states(states, where) if states else None
 
 
 def _holding(content: Any, keys: tuple[str, str]) -> Iterator[Mapping[str, Any]]:
@@ -165,7 +168,8 @@ def _states(states: list[Mapping[str, Any]], where: str) -> Samples:
         rows.append([state["position"][k] for k in order])
         rate = state.get("velocity")
         rates.append([rate[k] for k in order] if isinstance(rate, list) and len(rate) == len(names) else None)
-    stamps = np.array([seconds((state.get("header") or {}).get("stamp"), where) for state in same])
+    headers = [state.get("header") for state in same]
+    stamps = np.array([seconds(h.get("stamp") if isinstance(h, Mapping) else None, where) for h in headers])
     velocities = table(rates, where) if all(rate is not None for rate in rates) else None
     notes += ["not used: velocities, which not all joint states have"] if velocities is None and any(rates) else []
     times = stamps - stamps[0] if stamps.any() else None

@@ -200,6 +200,17 @@ def test_states_of_the_arm_are_picked_out_of_a_stream_and_rates_of_single_points
     assert "velocities of 1 point, which not all points have; for a motion that begins" in samples.notes[0]
 
 
+def test_joint_states_with_a_strange_header_or_beside_a_thing_with_a_name_and_a_position(tmp_path):
+    state = {"header": [0.0], "name": ["a", "b"], "position": [0.5, 0.2]}
+    path = tmp_path / "states.json"
+    path.write_text(
+        json.dumps([{"name": 3, "position": 1}, state, {**state, "header": "now"}, {"name": "x", "position": []}])
+    )
+    samples = read_samples(path)
+    assert samples.times is None
+    assert samples.positions.tolist() == [[0.5, 0.2]] * 2
+
+
 def test_an_end_asked_to_be_smooth_without_a_jerk_limit_is_said(tmp_path):
     content = {"units": "rad", "waypoints": ROWS, "end": "smooth"}
     case = own_case(content | {"limits": {"velocity": 1, "acceleration": 2}}, tmp_path / "a.yaml")
