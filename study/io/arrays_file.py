@@ -56,7 +56,11 @@ def load_arrays(path: Path) -> dict[str, Any]:
         raw.seek(0)
         with np.errstate(all="ignore"):
             content = np.load(raw, allow_pickle=False)
-        return {"position": content} if isinstance(content, np.ndarray) else dict(content)
+        arrays = {"position": content} if isinstance(content, np.ndarray) else dict(content)
+        _check_size(
+            sum(array.nbytes or 8 * array.size for array in arrays.values()), path
+        )  # texts of no length take none
+        return arrays
     except StudyError:
         raise
     except Exception as error:  # a damaged archive raises whatever the part that reads it makes of it

@@ -175,6 +175,12 @@ def test_a_small_archive_that_unpacks_to_more_than_is_read_is_one_sentence(tmp_p
     assert "unpacked it is larger than" in refused(tmp_path / "a.parquet", read_samples)
 
 
+def test_an_array_of_billions_of_empty_texts_is_one_sentence(tmp_path):
+    head = "{'descr': '<U0', 'fortran_order': False, 'shape': (4000000000,), }".ljust(117).encode() + b"\n"
+    (tmp_path / "a.npy").write_bytes(b"\x93NUMPY\x01\x00" + len(head).to_bytes(2, "little") + head)
+    assert "unpacked it is larger than" in refused(tmp_path / "a.npy", read_samples)
+
+
 def test_numbers_that_are_not_real_are_one_sentence(tmp_path):
     for kind in ("c16", "M8[s]", "S3"):
         path = archive(tmp_path, "a.npz", q=np.ones((3, 2)).astype(kind) if kind != "S3" else np.full((3, 2), b"a"))
