@@ -57,8 +57,9 @@ def grown_at(field: Field, evaluations: int, axis: Axis = "segments", jerk: bool
 
 
 def largest_budget(field: Field) -> int:
-    """Largest budget of a search on growing problems; 0 where none was run."""
-    return max((each.evaluations for each in growths(field) if len(each.points) > 2), default=0)
+    """Largest budget with which searches were run on the largest of growing problems; 0 where none was run."""
+    reached = [(each.points[-1].size, each.evaluations) for each in growths(field) if len(each.points) > 2]
+    return max(reached, default=(0, 0))[1]
 
 
 def paragraph(field: Field, evaluations: int) -> str:
