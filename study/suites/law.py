@@ -63,8 +63,10 @@ def largest_budget(field: Field) -> int:
 
 
 def paragraph(field: Field, evaluations: int) -> str:
-    """Tell the law in numbers at one budget; empty where no search was run on growing problems."""
-    grown = grown_at(field, evaluations)
+    """Tell the law in numbers at one budget, of the searches that were run on every size; empty where none was."""
+    known = grown_at(field, evaluations)
+    most = max((len(each.points) for each in known), default=0)
+    grown = [each for each in known if len(each.points) == most]
     if not grown:
         return ""
     first, last = grown[0].points[0].size, grown[0].points[-1].size
