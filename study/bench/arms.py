@@ -27,6 +27,8 @@ CLOSE, MEAN, FAST = 1.001, 0.945, 2.0
 """Targets: the worst and the mean ratio of *best* to the best peer's duration, and of *fast* to a path timing's cost."""
 
 
+TIMINGS = ("toppra-natural", "toppra-centripetal", "copp-topp3")
+
 LIMIT = 60.0
 """Seconds that a peer has, as far as it can be stopped."""
 
@@ -97,8 +99,8 @@ class Row:
 
     @property
     def timing(self) -> Answer | None:
-        """The quickest path timing of the kind that *fast* is measured against."""
-        kinds = [answer for answer in self.peers if answer.name.startswith(("toppra", "copp-topp3"))]
+        """The quickest path timing that *fast* is measured against: TOPP-RA at constant acceleration, or COPP's third order."""
+        kinds = [answer for answer in self.peers if answer.name.startswith(TIMINGS)]
         return min(kinds, key=lambda answer: answer.seconds, default=None)
 
 
