@@ -87,7 +87,8 @@ def export(
     name: Name,
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Where to write; made if need be.")],
     to: Annotated[
-        str, typer.Option(metavar="ioh|coco|parquet", help="IOHprofiler's files, a COCO archive, or one table.")
+        str,
+        typer.Option(metavar="PLATFORM", help="ioh: IOHprofiler's files; coco: a COCO archive; parquet: one table."),
     ],
     own: Annotated[
         Path | None,

@@ -20,6 +20,7 @@ from study.runs.pool import Overdue, WorkerDied, WorkerPool
 from study.slowing import fitted, told
 from study.testing import random_problem
 from study.testing.sampler import sampled
+from study.trajectory import Motion
 
 FEASIBLE, REASON, WRONG, HANG, CRASH = (
     "feasible, confirmed",
@@ -96,18 +97,21 @@ def endure(attempt: Attempt) -> AttemptEnd:
     if verdict is None:
         return AttemptEnd(attempt, REASON if plan.message else WRONG, plan.message or "neither a motion nor a reason")
     if verdict.feasible and plan.motion is not None:
-        second = sampled(problem, plan.motion)
-        if second.confirmed:
-            return AttemptEnd(attempt, FEASIBLE, "", second.instants)
-        return AttemptEnd(
-            attempt, WRONG, f"the judge passes it, a sample exceeds {second.worst} by {second.excess:.3g}"
-        )
+        return _sampled(attempt, problem, plan.motion)
     if ignored := sorted(problem.demands - planner.knows):
         return AttemptEnd(attempt, REASON, f"it does not know {' or '.join(ignored)}, which the problem has")
     announced = plan.status is not Status.FINISHED and plan.message
     return AttemptEnd(
         attempt, REASON if announced else WRONG, plan.message if announced else "; ".join(verdict.reasons)
     )
+
+
+def _sampled(attempt: Attempt, problem: Problem, motion: Motion) -> AttemptEnd:
+    """Put a motion that the judge passes to the sampler."""
+    second = sampled(problem, motion)
+    if second.confirmed:
+        return AttemptEnd(attempt, FEASIBLE, "", second.instants)
+    return AttemptEnd(attempt, WRONG, f"the judge passes it, a sample exceeds {second.worst} by {second.excess:.3g}")
 
 
 def _by_tier(attempt: Attempt, problem: Problem, settings: RunSettings) -> AttemptEnd:
@@ -117,7 +121,7 @@ def _by_tier(attempt: Attempt, problem: Problem, settings: RunSettings) -> Attem
     except Exception as error:  # this is what is looked for
         return AttemptEnd(attempt, CRASH, f"{type(error).__name__}: {error}")
     if planned.feasible:
-        return AttemptEnd(attempt, FEASIBLE, "")
+        return _sampled(attempt, problem, planned.motion)
     return AttemptEnd(attempt, REASON if planned.reason else WRONG, planned.reason or "neither a motion nor a reason")
 
 

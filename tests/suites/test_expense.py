@@ -18,7 +18,7 @@ def test_cells_cost_their_own_medians_and_the_usual_rate_elsewhere(monkeypatch):
     hard = suite_named("hard")
     first, *others = hard.cases.values()
     monkeypatch.setattr(
-        module, "usual_lineup", lambda suite: Lineup("", "", {"toppra": 9.0, "copp": 9.0}, {"pso": 20.0})
+        module, "usual_lineup", lambda suite: Lineup("", "", {"toppra": 9.0, "casadi-nlp": 9.0}, {"pso": 20.0})
     )
     searched = replace(RUN, problem=first.name, segments=first.problem.n_segments)
     path = replace(searched, planner="toppra", evaluations=0, wall_time=0.5)
