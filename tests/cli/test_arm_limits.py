@@ -3,6 +3,8 @@
 import pytest
 import yaml
 
+from study.cases.library import load_case
+from study.cases.recorded import with_room
 from tests.conftest import run_here
 
 PENDULUM = """<robot name="pendulum">
@@ -60,3 +62,11 @@ def test_a_motion_beyond_a_torque_fails_the_check(folder):
     ended = run_here("check", "swing.csv", "--case", "swing.yaml", cwd=folder)
     assert ended.returncode == 3
     assert "torque of pivot reaches" in " ".join((ended.stdout + ended.stderr).split())
+
+
+def test_the_room_between_samples_is_a_torque_s_too(folder):
+    case(folder, [-1.2, -0.6], torque=9, tool_speed=0.4)
+    problem = load_case(str(folder / "swing.yaml")).problem
+    roomy = with_room(problem, 1e-3).arm
+    assert roomy.torque == pytest.approx(9.009)
+    assert roomy.tool_speed == pytest.approx(0.4004)
