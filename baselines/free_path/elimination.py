@@ -33,6 +33,9 @@ from study.problem import Floats
 SHARED = 7
 """Number of shared unknowns of a block."""
 
+WIDE = 8
+"""Columns that compiled code keeps for them: one more that stays zero, so that loops are as long as processors like."""
+
 SHIFTS = (1e-6, 3.0)
 """First trial and factor of the shifts that are tried on a block without the right inertia; twice the first that is
 enough is taken, because one that is just enough would make the step huge."""

@@ -12,15 +12,17 @@ import sys
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from baselines.free_path.elimination import SHARED, SHIFTS, Blocks, Elimination, equations_of
+from baselines.free_path.elimination import Elimination
 from baselines.free_path.model import Model
-from baselines.free_path.pieces import Pieces
 from baselines.free_path.rows import Rows
 from study.engine import AUTO, NUMBA, VARIABLE, chosen, compiled_module
-from study.problem import Floats
+
+if TYPE_CHECKING:
+    from baselines.free_path.compiled_steps import CompiledElimination
 
 WORTHWHILE = 3000
 """Pieces of all joints from which importing numba pays, about a second's work of NumPy."""
@@ -33,13 +35,16 @@ LAST = "compiled.finish", "compiled_pieces.forward", "compiled_steps.complete"
 """Functions that an iteration compiles last."""
 
 
-def code_for(model: Model) -> tuple[type[Rows], type[Elimination]]:
+def code_for(model: Model) -> tuple[type[Rows], type[Elimination] | type[CompiledElimination]]:
     """Choose the code for a model; numba is imported here and not before."""
     wish = os.environ.get(VARIABLE) or AUTO
     worth = "numba" in sys.modules or np.prod(model.shape) >= WORTHWHILE
     if chosen() != NUMBA or (wish != NUMBA and not (worth and kept())) or compiled_module(_compiled) is None:
         return Rows, Elimination
-    return import_module("baselines.free_path.compiled_pieces").CompiledRows, CompiledElimination
+    return (
+        import_module("baselines.free_path.compiled_pieces").CompiledRows,
+        import_module("baselines.free_path.compiled_steps").CompiledElimination,
+    )
 
 
 def kept() -> bool:
@@ -57,62 +62,3 @@ def kept() -> bool:
 
 def _compiled() -> ModuleType:
     return import_module("baselines.free_path.compiled")
-
-
-def _steps() -> ModuleType:
-    return import_module("baselines.free_path.compiled_steps")
-
-
-class CompiledElimination(Elimination):
-    """The same elimination by compiled loops over the blocks."""
-
-    def __init__(self, model: Model, at: Pieces, local: Floats, free: bool, shares: Floats) -> None:
-        self._code, pieces = _compiled(), model.pieces
-        wide = np.arange(pieces + 1, 2 * pieces + 1)
-        inside = np.concatenate([np.arange(1, pieces), wide]) if free else np.arange(1, pieces)
-        ends = np.array([0, 2 * pieces + 1, 2 * pieces + 2, pieces])
-        self._counts = np.array([len(equations_of(int(kind), free)) for kind in model.kinds])
-        shape, size = model.shape[:2], len(inside)
-        self.inner, self._basis, self._hessians = (np.empty((*shape, size, size)) for _ in range(3))
-        self.cross, self.feasible = np.empty((*shape, size, SHARED)), np.empty((*shape, size, SHARED))
-        self.outer, self.inverse = np.empty((*shape, SHARED, SHARED)), np.zeros((*shape, size, 3))
-        out = self.inner, self.cross, self.outer, self.inverse, self.feasible, self._basis, self._hessians
-        self._code.prepare(
-            local,
-            at.states,
-            model.gains,
-            model.closures,
-            model.kinds,
-            (inside, ends),
-            np.ascontiguousarray(shares),
-            out,
-        )
-
-    def blocks(self, regularisation: float) -> Blocks:
-        """Eliminate the inside of all blocks, with a multiple of the identity added to it."""
-        inner, half = self.inner.copy(), np.empty_like(self.inner)
-        follow, reduced = np.empty_like(self.cross), np.empty_like(self.outer)
-        given = self.cross, self.outer, self.feasible, self._basis, self._hessians
-        out = inner, half, follow, reduced
-        self._code.finish(float(regularisation), self._counts, SHIFTS, given, out)
-        return CompiledBlocks(self.inverse, half, inner, self.cross, follow, reduced)
-
-
-class CompiledBlocks(Blocks):
-    """The same blocks; `projected` is Z L^-T, whose product with its own transpose is N."""
-
-    def begin(self, right: Floats, errors: Floats) -> tuple[Floats, Floats]:
-        """y0, and the blocks' shares in the right side of the reduced system."""
-        out = np.empty_like(right), np.empty((*right.shape[:2], SHARED))
-        _steps().begin(right, errors, self._arrays, out)
-        return out
-
-    def complete(self, right: Floats, start: Floats, shared: Floats) -> tuple[Floats, Floats]:
-        """Step inside of the blocks, and in the multipliers of their equations."""
-        inside, multipliers = start.copy(), np.empty((*right.shape[:2], 3))
-        _steps().complete(right, shared, self._arrays, inside, multipliers)
-        return inside, multipliers
-
-    @property
-    def _arrays(self) -> tuple[Floats, ...]:
-        return self.inverse, self.projected, self.inner, self.cross, self.follow

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from baselines.free_path.pieces import Bounds, Costates, Pieces, Point
 from baselines.free_path.rows import Rows
 from baselines.free_path.shared_system import GIVE_UP, Layout, SharedSystem, gathered
 from study.problem import Floats
+
+if TYPE_CHECKING:
+    from baselines.free_path.compiled_steps import CompiledElimination
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +42,7 @@ class Frame:
     layout: Layout
     free: bool
     shares: Floats
-    elimination: type[Elimination]
+    elimination: type[Elimination] | type[CompiledElimination]
 
 
 @dataclass(frozen=True, eq=False)
