@@ -14,6 +14,13 @@ import numpy as np
 
 from study.problem import Floats
 
+SETTLED = 1e-9
+"""Step of Newton's iteration on the unit interval, the last one; what it leaves is of the order of its square."""
+
+
+VANISHING = 4e-16
+"""Value of a polynomial of size 1 that cannot be told from zero."""
+
 
 def value(coefficients: Floats, u: Floats) -> Floats:
     """Evaluate by Horner's rule; leading axes of both arguments broadcast."""
@@ -136,6 +143,7 @@ def _bracketed_roots(coefficients: Floats) -> Floats:
     edge = np.zeros((*inner.shape[:-1], 1))
     points = np.concatenate([edge, inner, edge + 1.0], axis=-1)
     values = value(coefficients[..., None, :], points)
+    values = np.where(np.abs(values) <= VANISHING, 0.0, values)  # as at a triple root, which Newton nears slowly
     low, high = points[..., :-1].copy(), points[..., 1:].copy()
     f_low, f_high = values[..., :-1], values[..., 1:]
     bracketed = np.sign(f_low) * np.sign(f_high) < 0
@@ -158,7 +166,7 @@ def _close_brackets(coefficients: Floats, slope: Floats, low: Floats, high: Floa
         newton = np.where(f == 0, u, u - f / value(slope, u))
         inside = (newton >= low) & (newton <= high)  # at a root the step ends on the bracket, and so it may
         following = np.where(inside, newton, 0.5 * (low + high))
-        settled = np.abs(following - u) <= 4e-16 + 1e-15 * np.abs(u)
+        settled = (np.abs(following - u) <= SETTLED) & inside | (high - low <= 4e-16 + 1e-15 * np.abs(u))
         u = following
         if settled.all():
             break

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -217,7 +218,7 @@ class Problem:
         """Granted distance from every waypoint, shape (n_waypoints, n_joints), rad or m."""
         return np.zeros_like(self.waypoints) if self.tolerance is None else self.tolerance
 
-    @property
+    @cached_property
     def end_states(self) -> tuple[State, State]:
         """Rates demanded at the first and at the last instant."""
         given = (self.end if state is None else state for state in (self.start, self.finish))
@@ -229,7 +230,7 @@ class Problem:
         """Whether a slower run of a motion still meets the demands at its ends: their rates are zero or free."""
         return not any(state.moving for state in self.end_states)
 
-    @property
+    @cached_property
     def demands(self) -> frozenset[Demand]:
         """Everything that the problem asks of a motion beyond passing the waypoints."""
         return frozenset(demand for demand, holds in _asked(self) if holds)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -224,8 +225,17 @@ class Trajectory:
             result = polynomial.derivative(result)
         return np.moveaxis(result, 2, 1)
 
+    @cached_property
+    def _known(self) -> dict[int, Extrema]:
+        return {}
+
     def extrema(self, order: int = 0) -> Extrema:
         """Exact extrema of the derivative of the given order over the whole motion."""
+        if order not in self._known:
+            self._known[order] = self._extrema(order)
+        return self._known[order]
+
+    def _extrema(self, order: int) -> Extrema:
         widths = np.diff(self.knots)
         unit = polynomial.stretched(np.moveaxis(self._coefficients(order), 1, 2), widths[:, None])
         mask = polynomial.may_be_extreme(unit)

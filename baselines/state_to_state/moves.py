@@ -7,7 +7,6 @@ service and has no place in this project.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -94,40 +93,38 @@ class Mover:
         """
         if not self.solve(start, end):
             raise StudyError(f"Ruckig finds no move from {start.position.tolist()} to {end.position.tolist()}")
-        return merge([_phases(profile) for profile in self._output.profiles[0]], float(self._output.duration))
+        return merge(*_phases(self._output.profiles[0]), float(self._output.duration))
 
 
-@dataclass(frozen=True, eq=False)
-class _Phases:
-    """One joint's phases of constant jerk: start times (n_phases,), s, and cubic coefficients (n_phases, 4)."""
+def _phases(profiles: Sequence[Any]) -> tuple[Floats, Floats]:
+    """Phases of constant jerk of all joints: two brake phases, seven more, and what follows; some take no time.
 
-    starts: Floats
-    coefficients: Floats
+    Returns
+    -------
+    starts : array of shape (n_joints, 10), s
+    cubics : array of shape (n_joints, 10, 4)
+    """
+    widths = np.array([[*profile.brake.t, *profile.t] for profile in profiles])
+    rows = [
+        ([*brake.p, *profile.p], [*brake.v, *profile.v], [*brake.a, *profile.a], [*brake.j, *profile.j, 0.0])
+        for brake, profile in ((profile.brake, profile) for profile in profiles)
+    ]
+    starts = np.concatenate([np.zeros((len(widths), 1)), np.cumsum(widths, axis=1)], axis=1)
+    return starts, np.moveaxis(np.array(rows), 1, 2) / np.array([1.0, 1.0, 2.0, 6.0])
 
 
-def _phases(profile: Any) -> _Phases:
-    """Read a joint's brake phases, its seven phases and what follows them."""
-    brake = profile.brake
-    widths = np.array([*brake.t, *profile.t])
-    rows = ([*brake.p, *profile.p], [*brake.v, *profile.v], [*brake.a, *profile.a], [*brake.j, *profile.j, 0.0])
-    starts = np.concatenate([[0.0], np.cumsum(widths)])
-    used = np.append(widths > 0, True)
-    return _Phases(starts[used], np.array(rows).T[used] / np.array([1.0, 1.0, 2.0, 6.0]))
-
-
-def merge(phases: Sequence[_Phases], duration: float) -> tuple[Floats, Floats]:
+def merge(starts: Floats, cubics: Floats, duration: float) -> tuple[Floats, Floats]:
     """Cut all joints' phases at the union of their knots."""
-    inner = np.sort(np.concatenate([joint.starts for joint in phases]))
+    inner = np.sort(starts.ravel())
     gap = MERGE * duration
     inner = inner[(inner > gap) & (inner < duration - gap)]
     inner = inner[np.diff(inner, prepend=0.0) > gap]
     knots = np.concatenate([[0.0], inner, [duration]])
     middles = (knots[1:] + knots[:-1]) / 2
-    columns = []
-    for joint in phases:
-        index = np.searchsorted(joint.starts, middles, side="right") - 1
-        columns.append(polynomial.shifted(joint.coefficients[index], knots[:-1] - joint.starts[index]))
-    return np.diff(knots), np.stack(columns, axis=2)
+    joint = np.arange(len(starts))[:, None]
+    phase = (starts[:, None] <= middles[:, None]).sum(axis=2) - 1
+    pieces = polynomial.shifted(cubics[joint, phase], knots[:-1] - starts[joint, phase])
+    return np.diff(knots), np.moveaxis(pieces, 0, 2)
 
 
 def chain(problem: Problem, states: Sequence[State]) -> Trajectory:
