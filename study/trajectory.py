@@ -231,7 +231,7 @@ class Trajectory:
 
     def extrema(self, order: int = 0) -> Extrema:
         """Exact extrema of the derivative of the given order over the whole motion."""
-        if order not in self._known:
+        if derivative(order) not in self._known:
             self._known[order] = self._extrema(order)
         return self._known[order]
 

@@ -145,7 +145,7 @@ class CompiledBlocks:
 
 
 def _equations(kinds: Integers, free: bool) -> Equations:
-    """How many closing equations every joint has, and which."""
+    """Number of closing equations that every joint has, and their rows."""
     rows = [equations_of(kind, free) for kind in range(4)]
     counts, which = np.array([len(own) for own in rows]), np.array([(own + 3 * [0])[:3] for own in rows])
     return counts[kinds], which[kinds]
