@@ -51,7 +51,7 @@ class Fuzzer:
 
     def __call__(self, folder: Path, name: str, content: bytes) -> None:
         """Put one input to the reader."""
-        begun, failure = time.process_time(), ""
+        begun, failure = processor_time(), ""
         signal.setitimer(signal.ITIMER_PROF, SLOW)
         try:
             refused = bool(self.target(folder, name, content))
@@ -69,7 +69,7 @@ class Fuzzer:
             failure += "" if isinstance(error, TooSlow) else f": {str(error)[:100]!r}"
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0)
-        spent = time.process_time() - begun
+        spent = processor_time() - begun
         self.slowest = max(self.slowest, spent)
         if not failure and spent > SLOW:
             failure = "slow"
@@ -84,20 +84,25 @@ class Fuzzer:
                 print(f"  {self.reader}: {failure}\n    kept as {file}", flush=True)
 
     def run(self, seconds: float, clock: float, seed: int) -> None:
-        """Put inputs to the reader until so much processor time is spent, or so much time has gone by."""
+        """Put inputs to the reader until so much processor time is spent, so much time has gone by, or SIGTERM comes."""
         signal.signal(signal.SIGPROF, interrupt)
+        signal.signal(signal.SIGTERM, self.stop)
         with ExitStack() as stack:
             folder = prepared(self.target, stack)
-            begun, round_number = time.process_time(), 0
+            begun, round_number = processor_time(), 0
             self.end, self.until = begun + seconds, time.monotonic() + clock
             while self.going():
                 self._round(folder, seed * 1_000_003 + round_number)
                 round_number += 1
-        self.minutes = (time.process_time() - begun) / 60
+        self.minutes = (processor_time() - begun) / 60
+
+    def stop(self, number: int, frame: FrameType | None) -> None:
+        """Handle the signal to end after this input; the figures are told all the same."""
+        self.end = 0.0
 
     def going(self) -> bool:
         """Whether there is time for another input."""
-        return time.process_time() < self.end and time.monotonic() < self.until
+        return processor_time() < self.end and time.monotonic() < self.until
 
     def _round(self, folder: Path, seed: int) -> None:
         @hypothesis.seed(seed)
@@ -123,6 +128,12 @@ class Fuzzer:
             f"{self.reader:<12}{self.read + self.refused + failed:>9,}{self.read:>9,}{self.refused:>9,}{failed:>12,}{self.slowest:>12.2f}"
             f"{memory() / 1e6:>12.0f}{self.minutes:>16.2f}"
         )
+
+
+def processor_time() -> float:
+    """Processor time of this process and of those that it has started and waited for, s."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
 
 
 def memory() -> int:
