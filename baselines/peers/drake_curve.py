@@ -1,7 +1,8 @@
-"""Curves of Drake as exact motions."""
+"""Curves of Drake as exact motions, and its solver."""
 
 from __future__ import annotations
 
+import importlib
 import logging
 from typing import Any
 
@@ -27,8 +28,11 @@ def cut(curve: Any, marks: Floats, knots: Floats, degree: int) -> Trajectory:
     )
 
 
-def within(options: Any, solver: Any, seconds: float) -> None:
-    """Tell SNOPT its time limit, and Drake to keep quiet."""
+def snopt(seconds: float) -> tuple[Any, Any]:
+    """SNOPT and its options: the time limit; Drake is told to keep quiet."""
     logging.getLogger("drake").setLevel(logging.ERROR)
+    solvers: Any = importlib.import_module("pydrake.solvers")
+    solver, options = solvers.SnoptSolver(), solvers.SolverOptions()
     options.SetOption(solver.id(), "Time limit", float(seconds))
     options.SetOption(solver.id(), "Timing level", 3)
+    return solver, options

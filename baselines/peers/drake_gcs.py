@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from baselines.peers.base import Peer, needs
-from baselines.peers.drake_curve import cut, within
+from baselines.peers.drake_curve import cut, snopt
 from study.problem import Demand, Problem
 from study.trajectory import Trajectory
 
@@ -38,13 +38,10 @@ class DrakeGcs(Peer):
     def solve(self, problem: Problem, time_limit: float) -> Any:
         """Optimise; the curve, or None where there is no success. The time limit is SNOPT's, which comes last."""
         sets: Any = importlib.import_module("pydrake.geometry.optimization")
-        solvers: Any = importlib.import_module("pydrake.solvers")
         program, start, end = _program(problem)
         options = sets.GraphOfConvexSetsOptions()
         options.convex_relaxation, options.max_rounded_paths = True, 1
-        solver, limited = solvers.SnoptSolver(), solvers.SolverOptions()
-        within(limited, solver, time_limit)
-        options.restriction_solver, options.restriction_solver_options = solver, limited
+        options.restriction_solver, options.restriction_solver_options = snopt(time_limit)
         curve, answer = program.SolvePath(start, end, options)
         return curve if answer.is_success() else None
 

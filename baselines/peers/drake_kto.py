@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from baselines.peers.base import Peer, needs
-from baselines.peers.drake_curve import cut, within
+from baselines.peers.drake_curve import cut, snopt
 from baselines.peers.toppra_package import path_speeds
 from study.problem import Demand, Floats, Problem
 from study.trajectory import Trajectory
@@ -38,7 +38,6 @@ class DrakeKto(Peer):
     def solve(self, problem: Problem, time_limit: float) -> Any:
         """Optimise; the curve and the places of the waypoints, or None where SNOPT does not succeed."""
         drake: Any = importlib.import_module("pydrake.planning")
-        solvers: Any = importlib.import_module("pydrake.solvers")
         spline, points, speeds = path_speeds(problem, 0.5, "natural")
         times = np.append(0.0, np.cumsum(2 * np.diff(points) / (speeds[:-1] + speeds[1:])))
         at = times[np.searchsorted(points, spline.x)] / times[-1]
@@ -53,8 +52,7 @@ class DrakeKto(Peer):
         start = spline(np.interp(greville * times[-1], times, points)).T
         trajectories: Any = importlib.import_module("pydrake.trajectories")
         program.SetInitialGuess(trajectories.BsplineTrajectory(bspline, [start[:, [k]] for k in range(control)]))
-        solver, options = solvers.SnoptSolver(), solvers.SolverOptions()
-        within(options, solver, time_limit)
+        solver, options = snopt(time_limit)
         answer = solver.Solve(program.prog(), None, options)
         return (program.ReconstructTrajectory(answer), at) if answer.is_success() else None
 

@@ -32,6 +32,9 @@ TIMINGS = ("toppra-natural", "toppra-centripetal", "copp-topp3")
 LIMIT = 60.0
 """Seconds that a peer has, as far as it can be stopped."""
 
+LONG = 5.0
+"""Processor time of a first call, s, beside which what it loads does not matter, so that it is not repeated."""
+
 
 class Peer(Protocol):
     """Another package's way to plan, in two steps, as `baselines.peers` has them."""
@@ -120,9 +123,9 @@ def _row(problem: Problem) -> Row:
 
 
 def _timed(call: Callable[[], object]) -> tuple[object, float]:
-    """Answer of a call, and its median processor time, s; the first call does not count, for it loads what it needs."""
-    call()
-    return timed(call, REPETITIONS)
+    """Answer of a call, and its median processor time, s; a short first call does not count, for it loads what it needs."""
+    first = timed(call, 1)
+    return first if first[1] > LONG else timed(call, REPETITIONS)
 
 
 def _tier(problem: Problem, name: str) -> Answer:
