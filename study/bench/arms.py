@@ -15,7 +15,6 @@ import numpy as np
 
 from study.api import plan
 from study.bench.measuring import timed
-from study.errors import StudyError
 from study.judge import judge
 from study.problem import Problem
 from study.registry import peer_names, planner_named, unavailable_planners
@@ -136,8 +135,10 @@ def _tier(problem: Problem, name: str) -> Answer:
 def _peer(problem: Problem, name: str, peer: Peer) -> Answer:
     try:
         answer, seconds = _timed(lambda: peer.solve(problem, LIMIT))
-        motion = peer.motion(problem, answer)
-    except (RuntimeError, ValueError, TypeError, StudyError):  # a peer's way to say no
+        motion = None if answer is None else peer.motion(problem, answer)
+    except Exception:  # a stranger's package may raise anything to say no
+        motion = None
+    if motion is None:
         return Answer(name, np.inf, 1.0, np.nan)
     stretch = judge(problem, motion).stretch
     slowed = motion.scaled(stretch)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from dataclasses import replace
 
 from study.bench import planner_parts
 from study.bench.arms import Answer, arm_rows
@@ -10,11 +12,12 @@ from study.bench.arms import summary as on_arms
 from study.bench.planner_parts import Part, Told
 from study.bench.torque import torque
 from study.bench.torque_peers import torque_peers
+from study.engine import VARIABLE, chosen
 from study.errors import unknown
 
 
 def measured(name: str, seed: int, told: Told) -> Part:
-    """Measure a part.
+    """Measure a part, with compiled code from the start where numba is installed: nobody plans once to measure.
 
     Raises
     ------
@@ -23,7 +26,9 @@ def measured(name: str, seed: int, told: Told) -> Part:
     """
     if name not in PARTS:
         raise unknown("part of the bench", name, PARTS)
-    return PARTS[name](seed, told)
+    engine = os.environ.setdefault(VARIABLE, chosen())
+    part = PARTS[name](seed, told)
+    return replace(part, sentences=(*part.sentences, f"engine: {engine}; the variable {VARIABLE} chooses another"))
 
 
 def arms(seed: int, told: Told) -> Part:

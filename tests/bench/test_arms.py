@@ -22,6 +22,26 @@ def test_the_bench_takes_the_registered_peers_and_times_their_own_work():
     assert answer.seconds > 0
 
 
+class _Refusing:
+    """A peer that finds nothing, or raises what it likes."""
+
+    def __init__(self, error: Exception | None) -> None:
+        self.error = error
+
+    def solve(self, problem, time_limit):
+        if self.error is not None:
+            raise self.error
+        return None
+
+    def motion(self, problem, answer):
+        return answer.no_such_thing
+
+
+@pytest.mark.parametrize("error", [None, AttributeError("no"), RuntimeError("no")])
+def test_a_peer_that_finds_nothing_is_no_usable_one(error):
+    assert _peer(PROBLEM, "refusing", _Refusing(error)).duration == np.inf
+
+
 def test_gridpoints_hold_all_knots():
     points = stations_of(np.array([0.0, 1.0, 5.0]))
     assert len(points) == 201
