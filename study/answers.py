@@ -19,8 +19,8 @@ from study.io.samples import Samples
 from study.io.sampling import Sampling
 from study.judge import Verdict
 from study.path_findings import largest_deviation
-from study.planning import RATE_LIMITS, Status
-from study.problem import Demand, EndCondition, Problem
+from study.planning import Status, single_move
+from study.problem import Problem
 from study.runs.selections import DIRECT
 from study.slowing import SLOWED, slowed_said
 from study.store.results import Result
@@ -292,25 +292,6 @@ def stops_everywhere(problem: Problem, motion: Motion) -> bool:
         return False
     speeds = np.abs(motion(motion.waypoint_times[1:-1], 1))
     return bool((speeds <= STILL * motion.extrema(1).peak).all())
-
-
-def single_move(problem: Problem) -> bool:
-    """Whether the problem is one move from rest to rest with nothing else to keep, whose optimum has a closed form."""
-    smooth = problem.end is EndCondition.SMOOTH or (problem.end is EndCondition.REST and not jerky(problem))
-    plain = problem.arm is None and problem.n_waypoints == 2
-    return plain and smooth and problem.planner_demands <= RATE_LIMITS | {Demand.POSITION_RANGE}
-
-
-def jerky(problem: Problem) -> bool:
-    """Whether a joint has a jerk limit."""
-    return bool(np.isfinite(problem.limits.jerk).any())
-
-
-def rank(result: Result) -> tuple[bool, float, float]:
-    """Order of results: feasible ones by duration, then the others by how far they break a limit."""
-    verdict = result.verdict
-    excess = np.inf if verdict is None else 0.0 if verdict.feasible else verdict.violation
-    return not result.feasible, excess, result.duration
 
 
 def _lines(results: Sequence[Result]) -> Iterator[str]:

@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from study.answers import Comparison, Planned, jerky, rank, single_move, stops_everywhere
+from study.answers import Comparison, Planned, stops_everywhere
 from study.arrays import of_kind, short, whole
 from study.cautions import unbounded_joints
 from study.deadline import NEVER, Deadline
 from study.errors import StudyError
-from study.planning import RunSettings, usual_settings
-from study.problem import Problem, State
+from study.planning import RunSettings, single_move, usual_settings
+from study.problem import Demand, Problem, State
 from study.registry import planner_about, planner_named, planner_names
 from study.runs.execute import CellJob
 from study.runs.pool import WorkerDied, WorkerPool
@@ -172,7 +172,7 @@ def _stages(problem: Problem, tier: str) -> list[tuple[str, ...]]:
     """Planners of a tier, in parts of which the next is run only where those before find nothing but stops."""
     direct = [DIRECT] if single_move(problem) else []
     if tier == "fast" and automatic(problem) != AUTO_UNBOUNDED:
-        quick = FAST[jerky(problem) :] if problem.path is None else automatic(problem)
+        quick = FAST[Demand.JERK in problem.demands :] if problem.path is None else automatic(problem)
         return [*direct, *((name,) for name in quick)]
     return [*direct, automatic(problem), AUTO_RESERVE]
 
@@ -212,7 +212,7 @@ def automatic(problem: Problem) -> tuple[str, ...]:
         return AUTO_ON_LINES
     if unbounded_joints(problem)[problem.moving].all():
         return AUTO_UNBOUNDED
-    return AUTO if jerky(problem) else AUTO_WITHOUT_JERK
+    return AUTO if Demand.JERK in problem.demands else AUTO_WITHOUT_JERK
 
 
 def compare(
@@ -259,3 +259,10 @@ def _run(problem: Problem, name: str, settings: RunSettings, deadline: Deadline 
     cell, left = Cell(problem.name, name, name, settings), min(settings.time_limit, max(deadline.left(), LEAST))
     hurried = replace(cell, settings=replace(settings, time_limit=left))
     return replace(CellJob(hurried, problem).run(), cell=cell)
+
+
+def rank(result: Result) -> tuple[bool, float, float]:
+    """Order of results: feasible ones by duration, then the others by how far they break a limit."""
+    verdict = result.verdict
+    excess = np.inf if verdict is None else 0.0 if verdict.feasible else verdict.violation
+    return not result.feasible, excess, result.duration

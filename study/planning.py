@@ -288,3 +288,12 @@ class Meter:
         watching = supervisor()
         if watching is not None and watching.on_population is not None:
             watching.on_population(self, candidates)
+
+
+def single_move(problem: Problem) -> bool:
+    """Whether the problem is one move from rest to rest with nothing else to keep, whose optimum has a closed form."""
+    smooth = problem.end is EndCondition.SMOOTH or (
+        problem.end is EndCondition.REST and Demand.JERK not in problem.demands
+    )
+    plain = problem.arm is None and problem.n_waypoints == 2
+    return plain and smooth and problem.planner_demands <= RATE_LIMITS | {Demand.POSITION_RANGE}
