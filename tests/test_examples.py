@@ -79,7 +79,7 @@ def test_a_strangers_planners_stand_in_the_terminal_as_ours_do(compared):
 LADDER = """
 from pathlib import Path
 from study.analysis.case_summary import summarise
-from study.cli.shared import last_run
+from study.cli.folder import last_run
 
 cases, _, results = last_run(Path("study-output"))
 for rung in summarise(cases, results)[0].rungs:

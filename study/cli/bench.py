@@ -14,8 +14,8 @@ from rich.console import Console
 from study.bench import wording
 from study.bench.parts import PARTS, measured
 from study.bench.run import measure, write
+from study.cli.folder import DEFAULT_OUT, audit_flags, write_pages
 from study.cli.screen import fitted, make_console
-from study.cli.shared import DEFAULT_OUT, audit_flags, write_pages
 from study.errors import StudyError
 
 

@@ -15,24 +15,11 @@ from study.api import COMPARED
 from study.cases.library import Case, case_names, load_case, own_case
 from study.cases.obstacles import may_be_driven, nearest
 from study.cli.check import report_verdict, warn
+from study.cli.folder import DEFAULT_OUT, STORE_NAME, audit_flags, write_pages
 from study.cli.inputs import Cycle, Duration, Joints, LimitFiles, Points, Rate, Speed, Wishes, content_of, load_any
 from study.cli.own import FORMS, Accept, Units, no_motion, save_motion, trajectory_file
 from study.cli.screen import complain, make_console
-from study.cli.shared import (
-    DEFAULT_OUT,
-    STORE_NAME,
-    Dask,
-    Fresh,
-    Jobs,
-    Memory,
-    Out,
-    Workers,
-    audit_flags,
-    names_in,
-    run_missing,
-    show,
-    write_pages,
-)
+from study.cli.shared import Dask, Fresh, Jobs, Memory, Out, Workers, names_in, run_missing, show
 from study.errors import StudyError
 from study.files import write_file
 from study.io.filenames import file_stem

@@ -16,9 +16,10 @@ from study.cases.library import Case
 from study.cases.obstacles import may_be_driven, nearest
 from study.cli.check import SAMPLED, report_verdict, warn
 from study.cli.example import EXAMPLE
+from study.cli.folder import DEFAULT_OUT
 from study.cli.inputs import Cycle, Duration, Joints, LimitFiles, Points, Rate, Speed, Wishes, load_any
 from study.cli.screen import complain, make_console
-from study.cli.shared import DEFAULT_OUT, INFEASIBLE, Out
+from study.cli.shared import INFEASIBLE, Out
 from study.errors import StudyError, listed
 from study.files import write_file
 from study.io.export import MESSAGES, form_of, points_of, write_motion

@@ -9,8 +9,9 @@ import typer
 
 from study.analysis.case_summary import summarise
 from study.cases.suites import suite_named
+from study.cli.folder import DEFAULT_OUT, STORE_NAME, last_run, recording_file
 from study.cli.screen import make_console
-from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out, last_run, recording_file
+from study.cli.shared import Out
 from study.errors import StudyError
 
 

@@ -12,20 +12,9 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from study.cli.folder import DEFAULT_OUT, STORE_NAME, audit_flags, write_pages
 from study.cli.screen import make_console
-from study.cli.shared import (
-    DEFAULT_OUT,
-    STORE_NAME,
-    Dask,
-    Fresh,
-    Jobs,
-    Memory,
-    Out,
-    Workers,
-    audit_flags,
-    run_missing,
-    write_pages,
-)
+from study.cli.shared import Dask, Fresh, Jobs, Memory, Out, Workers, run_missing
 from study.datafiles import data_folder
 from study.errors import StudyError, plural
 from study.files import as_written, csv_text, read_file, write_file

@@ -10,24 +10,9 @@ import typer
 
 from study.cases.library import Case, case_names, load_case
 from study.cases.suites import PAPERS
+from study.cli.folder import DEFAULT_OUT, STORE_NAME, SUITE_NOTE, last_run, suite_noted
 from study.cli.screen import complain, make_console
-from study.cli.shared import (
-    DEFAULT_OUT,
-    STORE_NAME,
-    SUITE_NOTE,
-    Dask,
-    Fresh,
-    Jobs,
-    Memory,
-    Out,
-    Workers,
-    last_run,
-    names_in,
-    run_missing,
-    show,
-    suite_noted,
-    watching,
-)
+from study.cli.shared import Dask, Fresh, Jobs, Memory, Out, Workers, names_in, run_missing, show, watching
 from study.errors import StudyError, plural
 from study.io.filenames import file_stem
 from study.registry import peer_names, unavailable_planners

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -13,27 +12,18 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from study.analysis.case_summary import CaseSummary, summarise
-from study.cases.library import Case, load_case
-from study.cases.suite_file import filed_suites
+from study.analysis.case_summary import summarise
+from study.cases.library import Case
 from study.cli import run_tables
+from study.cli.folder import STORE_NAME, audit_flags, keep_to_oneself, write
 from study.cli.screen import SafeConsole, progress_bar, running
 from study.errors import Interrupted, StudyError, plural
-from study.io.filenames import file_stem
 from study.runs.dask import dask_executor
-from study.runs.environment import environment
-from study.runs.execute import stored_results
 from study.runs.job import Job
 from study.runs.progress import Progress
-from study.runs.remembered import remembered_lineup
 from study.runs.runner import RunOptions, default_jobs, run_jobs
 from study.store.results import Result
 from study.store.store import Store
-
-DEFAULT_OUT = Path("study-output")
-STORE_NAME = "results.sqlite"
-SUITE_NOTE = "suite"
-"""Name of the note in the results file that says which suite was run last; empty after another run."""
 
 INFEASIBLE = 3
 """Exit status where no feasible motion was found."""
@@ -182,7 +172,7 @@ def watching(cases: Mapping[str, Case], live: bool, known: Sequence[Result] = ()
     if not live:
         yield Watch()
         return
-    _keep_to_oneself()
+    keep_to_oneself()
     from study import recording  # here: rerun is slow to import
 
     with recording.live_recording() as (viewer, _):
@@ -228,89 +218,6 @@ def show(
             console.print("`study view CASE` opens a recording" + "; --details prints every method" * (not details))
 
 
-def write(
-    summaries: Sequence[CaseSummary],
-    out: Path,
-    flagged: Mapping[str, str],
-    interactive: bool = False,
-) -> tuple[Path, Path]:
-    """Write report and recordings, searches that are flagged marked; where the report's first page and the recordings are."""
-    _keep_to_oneself()
-    from study.recording import forget_pages, interactive_pages, record_case
-    from study.report.page import slugs, write_viewers  # here: matplotlib and rerun are slow to import
-
-    for summary in summaries:
-        if summary.ran:  # a run that was stopped may not have come to every case
-            record_case(summary, recording_file(out, summary.case.name))
-    forget_pages(out / "report", slugs(summary.case for summary in summaries))
-    if interactive:
-        shown = slugs(summary.case for summary in summaries if summary.ran)
-        files = {slug: recording_file(out, case.name) for slug, case in shown.items()}
-        write_viewers(interactive_pages(files, out / "report"), shown, out / "report")
-    return write_pages(out, flagged, summaries), out / "recordings"
-
-
-def write_pages(out: Path, flagged: Mapping[str, str], summaries: Sequence[CaseSummary] = ()) -> Path:
-    """Write the pages of some cases and an index of all that the folder holds, other runs and commands included.
-
-    Returns
-    -------
-    Path
-        The index.
-    """
-    from study.report.page import build_report  # here: matplotlib is slow to import
-
-    cases, sources, results = last_run(out) if (out / STORE_NAME).is_file() else ({}, {}, [])
-    shown = {summary.case.name: summary for summary in summaries}
-    ran = {result.cell.case for result in results}
-    others = summarise({name: case for name, case in cases.items() if name in ran and name not in shown}, results)
-    there = [summary for summary in others if (out / "report" / f"{file_stem(summary.case.name)}.html").is_file()]
-    return build_report([*there, *summaries], out / "report", environment(), flagged, sources, only=shown)
-
-
-def last_run(out: Path, suite: str = "") -> tuple[dict[str, Case], dict[str, str], list[Result]]:
-    """Cases of the folder, where each was loaded from, and the stored results of the last run of each.
-
-    With the name of a suite its problems, without one everything else.
-    """
-    cells, remembered = remembered_lineup(out / STORE_NAME)
-    known = filed_suites()
-    sources = {
-        name: source
-        for name, source in remembered.items()
-        if (name.partition(":")[0] if source == name and name.partition(":")[0] in known else "") == suite
-    }
-    cases = {name: load_case(source) for name, source in sources.items()}
-    with Store(out / STORE_NAME, write=False) as store:
-        return cases, sources, stored_results(store, [cell for cell in cells if cell.case in cases], cases)
-
-
-def suite_noted(out: Path) -> dict[str, Any] | None:
-    """Note on the suite of the last run; None where it was no run of a suite."""
-    with Store(out / STORE_NAME, write=False) as store:
-        noted: dict[str, Any] | None = store.noted(SUITE_NOTE)
-    return noted
-
-
 def names_in(texts: Sequence[str] | None) -> list[str]:
     """Names of an option that may be given several times, each time with several names between commas."""
     return [name.strip() for text in texts or () for name in text.split(",") if name.strip()]
-
-
-def audit_flags(out: Path) -> dict[str, str]:
-    """Searches that the bias audit of `study compare` flags, with the reason; empty where it has not been made."""
-    from study.comparison.build import flags  # here: the comparison is slow to import
-
-    return flags(out / STORE_NAME)
-
-
-def _keep_to_oneself() -> None:
-    """Nothing leaves the machine; rerun reads this when it is imported."""
-    os.environ["RERUN_ANALYTICS_ENABLED"] = "false"
-
-
-def recording_file(out: Path, name: str) -> Path:
-    """Path of the recording of a case; its folder is made."""
-    folder = out / "recordings"
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder / f"{file_stem(name)}.rrd"

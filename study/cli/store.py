@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from study.cli.folder import DEFAULT_OUT, STORE_NAME
 from study.cli.screen import make_console
-from study.cli.shared import DEFAULT_OUT, STORE_NAME, Out
+from study.cli.shared import Out
 from study.errors import StudyError, plural
 from study.store import maintenance as storekeeping
 

@@ -9,7 +9,8 @@ import typer
 
 from study.cases.suite_file import suites_folder
 from study.cases.suites import suite_named
-from study.cli.shared import DEFAULT_OUT, INFEASIBLE, Out
+from study.cli.folder import DEFAULT_OUT
+from study.cli.shared import INFEASIBLE, Out
 from study.errors import plural
 from study.files import write_file
 

@@ -17,17 +17,9 @@ from study.cases.records import ProblemRecords, known_times, records_file, recor
 from study.cases.suite_file import suites_folder
 from study.cases.suites import PAPERS, Suite, suite_named
 from study.cli.check import report_verdict
+from study.cli.folder import STORE_NAME, SUITE_NOTE, audit_flags, last_run, suite_noted, write_pages
 from study.cli.screen import SafeConsole, complain, fitted, make_console
-from study.cli.shared import (
-    STORE_NAME,
-    SUITE_NOTE,
-    Workers,
-    audit_flags,
-    last_run,
-    run_missing,
-    suite_noted,
-    write_pages,
-)
+from study.cli.shared import Workers, run_missing
 from study.errors import StudyError, plural
 from study.files import replacing, write_file
 from study.io.filenames import file_stem

@@ -1,8 +1,8 @@
 import pytest
 from typer.testing import CliRunner
 
+from study.cli.folder import STORE_NAME
 from study.cli.main import app
-from study.cli.shared import STORE_NAME
 from study.errors import StudyError
 
 

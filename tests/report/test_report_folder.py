@@ -14,7 +14,7 @@ from study.analysis.case_summary import CaseSummary, summarise_case
 from study.cases.library import Case, load_case
 from study.cases.obstacles import UNFOLLOWED
 from study.cases.suites import suite_named
-from study.cli.shared import last_run
+from study.cli.folder import last_run
 from study.comparison.ablations import AblationFinding, matrix
 from study.comparison.statistics import Interval
 from study.curves import CURVES
