@@ -125,6 +125,11 @@ class ArmLimits:
         """Limits for motions `factor` times as slow: those of the tool slow down, torques stay as they are."""
         return ArmLimits(self.mechanism, self.torque, self.tool_speed / factor, self.tool_acceleration / factor**2)
 
+    def widened(self, share: float) -> ArmLimits:
+        """Limits that are wider by a share of themselves."""
+        more = 1.0 + share
+        return ArmLimits(self.mechanism, self.torque * more, self.tool_speed * more, self.tool_acceleration * more)
+
 
 def _squared(vector: Model) -> Model:
     """Square of the length of vectors of shape (3, n)."""

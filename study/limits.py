@@ -137,6 +137,11 @@ class JointLimits:
                 changes[f"min_{name}"] = least / factor**order
         return replace(self, **changes)
 
+    def widened(self, share: float) -> JointLimits:
+        """Limits whose rates are wider by a share of themselves; ranges of positions stay."""
+        given = {name: getattr(self, name) for name in (*RATES, *(f"min_{rate}" for rate in RATES))}
+        return replace(self, **{name: rate * (1.0 + share) for name, rate in given.items() if rate is not None})
+
 
 def usual_bounds(waypoints: Floats, limits: JointLimits) -> tuple[float, float]:
     """Choose a box of segment durations that suits any scale of waypoints and limits.

@@ -201,16 +201,7 @@ def _si(samples: Samples, kinds: Sequence[str], units: str | None, where: str) -
 def with_room(problem: Problem, tolerance: float) -> Problem:
     """Widen limits of rates and of the arm by a share, the tolerance of waypoints by that share of every joint's span, and ranges
     by rounding."""
-    limits, share = problem.limits, 1.0 + tolerance
-    given = {name: getattr(limits, name) for name in (*RATES, *(f"min_{rate}" for rate in RATES))}
-    rates = {name: rate * share for name, rate in given.items() if rate is not None}
-    span = np.ptp(problem.waypoints, axis=0)
-    room = np.maximum(problem.tolerances, tolerance * span)
-    ends = {"lower": limits.lower - ROUNDED, "upper": limits.upper + ROUNDED}
-    arm = problem.arm and replace(
-        problem.arm,
-        torque=problem.arm.torque * share,
-        tool_speed=problem.arm.tool_speed * share,
-        tool_acceleration=problem.arm.tool_acceleration * share,
-    )
-    return replace(problem, limits=replace(limits, **rates, **ends), tolerance=room, arm=arm)
+    limits = problem.limits.widened(tolerance)
+    limits = replace(limits, lower=limits.lower - ROUNDED, upper=limits.upper + ROUNDED)
+    room = np.maximum(problem.tolerances, tolerance * np.ptp(problem.waypoints, axis=0))
+    return replace(problem, limits=limits, tolerance=room, arm=problem.arm and problem.arm.widened(tolerance))
