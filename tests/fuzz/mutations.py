@@ -147,68 +147,55 @@ MANY = 10**6
 """Entries of an array that is no longer copied."""
 
 
+KINDS = (
+    "f8", "f4", "f2", "i1", "u8", "?", "c16", "U3", "S3", "M8[s]", "m8[ns]", "V4", ">f8", "g", [("a", "f8"), ("b", "i4")],
+)  # fmt: skip
+SHAPES = ((), (0,), (3,), (0, 3), (3, 0), (4, 2), (4, 3), (2, 2, 2), (1, 1), (40, 1))
+FILLS = (0.0, 1.0, np.nan, np.inf, 1e308, 5e-324, -1e-300)
+KEYS = ("time", "velocity", "joint_names", "coefficients", "knots", "position_coefficients", "time_coefficients")
+LIES = (b"1", b"0", b"4000000000", b"-1", b"10**9")
+
+
 def in_arrays(content: bytes, pick: Pick) -> bytes:
     """Put an array of another kind, shape or content into a NumPy file, or lie about it in its header."""
+    arrays = _arrays_in(content)
+    if not arrays:
+        return in_bytes(content, pick)
+    name = sorted(arrays)[pick(len(arrays))]
+    key, array = (*KEYS, name)[pick(len(KEYS) + 1)], _other_array(arrays[name], pick)
+    files = {key: _npy(array) for key, array in {**arrays, key if name else name: array}.items()}
+    if pick(3) == 0:
+        head, rest = files[name][:120], files[name][120:]
+        files[name] = re.sub(rb"\d+", lambda _: LIES[pick(len(LIES))], head) + rest
+    if name == "":
+        return files[""]
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as file:
+        for key, part in files.items():
+            whole = part if pick(20) else part + bytes(10**7)
+            file.writestr(zipfile.ZipInfo(f"{key}.npy"), whole, zipfile.ZIP_DEFLATED)
+    return archive.getvalue()
+
+
+def _arrays_in(content: bytes) -> dict[str, Any]:
+    """Arrays of a NumPy file by name, one alone without a name; none where it is spoilt already, or too much to load."""
     try:
         loaded = np.load(io.BytesIO(content))
         arrays = {"": loaded} if isinstance(loaded, np.ndarray) else dict(loaded)
-        small = all(
-            array.size < MANY for array in arrays.values()
-        )  # texts of no length take no bytes, be they as many as they like
     except Exception:  # spoilt by an edit before this one
-        small = False
-    if not small:
-        return in_bytes(content, pick)
-    name = sorted(arrays)[pick(len(arrays))]
-    shape = ((), (0,), (3,), (0, 3), (3, 0), (4, 2), (4, 3), (2, 2, 2), (1, 1), (40, 1))[pick(10)]
-    kind = (
-        "f8",
-        "f4",
-        "f2",
-        "i1",
-        "u8",
-        "?",
-        "c16",
-        "U3",
-        "S3",
-        "M8[s]",
-        "m8[ns]",
-        "V4",
-        ">f8",
-        "g",
-        [("a", "f8"), ("b", "i4")],
-    )[pick(15)]
-    fills = (0.0, 1.0, np.nan, np.inf, 1e308, 5e-324, -1e-300)
-    other = arrays[name].copy() if pick(3) == 0 else np.resize(np.arange(40), shape).astype(kind)
+        return {}
+    # texts of no length take no bytes, be they as many as they like
+    return arrays if all(array.size < MANY for array in arrays.values()) else {}
+
+
+def _other_array(array: Any, pick: Pick) -> Any:
+    """The array, or one of another kind and shape, perhaps with an odd number in it."""
+    shape, kind = SHAPES[pick(len(SHAPES))], KINDS[pick(len(KINDS))]
+    other = array.copy() if pick(3) == 0 else np.resize(np.arange(40), shape).astype(kind)
     if other.dtype.kind == "f" and other.size and pick(2):
         with np.errstate(all="ignore"):
-            other.flat[pick(other.size)] = fills[pick(len(fills))]
-    key = (
-        "time",
-        "velocity",
-        "joint_names",
-        "coefficients",
-        "knots",
-        "position_coefficients",
-        "time_coefficients",
-        name,
-    )[pick(8)]
-    arrays[key if name else name] = other
-    raw = {key: _npy(array) for key, array in arrays.items()}
-    if pick(3) == 0:
-        raw[name] = (
-            re.sub(rb"\d+", lambda _: (b"1", b"0", b"4000000000", b"-1", b"10**9")[pick(5)], raw[name][:120])
-            + raw[name][120:]
-        )
-    if name == "":
-        return raw[""]
-    archive = io.BytesIO()
-    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as file:
-        for key, part in raw.items():
-            file.writestr(
-                zipfile.ZipInfo(f"{key}.npy"), part if pick(20) else part + bytes(10**7), zipfile.ZIP_DEFLATED
-            )
-    return archive.getvalue()
+            other.flat[pick(other.size)] = FILLS[pick(len(FILLS))]
+    return other
 
 
 def _npy(array: Any) -> bytes:
