@@ -71,6 +71,23 @@ def positive(value: object, what: str) -> float:
     return float(number)
 
 
+def at_least_zero(value: object, what: str) -> float:
+    """Read one number that is zero, positive or infinite.
+
+    Raises
+    ------
+    StudyError
+        If the value is anything else; true and false are no numbers.
+    """
+    try:
+        number = float(value) if isinstance(value, int | float | np.number) and not isinstance(value, bool) else np.nan
+    except (OverflowError, TypeError):  # a whole number beyond all floats; a complex one
+        number = np.nan
+    if not number >= 0:
+        raise StudyError(f"{what} must be a number of at least 0, got {short(value)}")
+    return number
+
+
 def whole(value: object, least: int, what: str, most: float = np.inf) -> int:
     """Read one whole number.
 

@@ -9,11 +9,14 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from study.arrays import of_kind, whole
+from study.arrays import at_least_zero, of_kind, whole
 from study.choices import Choice
 from study.problem import Demand, EndCondition, Floats, Problem
 from study.supervisor import supervisor
 from study.trajectory import Motion
+
+LARGEST_SEED = 2**63 - 1
+"""Largest number of a seed that a results file has room for."""
 
 
 class Status(Enum):
@@ -66,7 +69,7 @@ class RunSettings:
     Raises
     ------
     StudyError
-        If the budget or the population is empty, or an option is unknown.
+        If the budget or the population is empty, an option is unknown, or seed or time limit are no such numbers.
     """
 
     curve: str
@@ -84,6 +87,8 @@ class RunSettings:
         object.__setattr__(self, "synchronisation", Synchronisation(self.synchronisation))
         for name in ("evaluations", "population"):
             whole(getattr(self, name), 1, f"run settings: {name}")
+        whole(self.seed, 0, "run settings: seed", LARGEST_SEED)
+        object.__setattr__(self, "time_limit", at_least_zero(self.time_limit, "run settings: time_limit"))
 
 
 @dataclass(frozen=True, eq=False)

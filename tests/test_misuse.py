@@ -34,6 +34,8 @@ CALLS = {
         RunSettings,
         {
             "curve": "cubic-spline",
+            "seed": 0,
+            "time_limit": 1.0,
             "evaluations": 10,
             "population": 10,
             "formulation": "scaled",

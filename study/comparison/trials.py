@@ -142,6 +142,8 @@ class TrialJob:
         values, reasons = encoded.document["values"], encoded.document["reasons"]
         if len(values) != len(self.seeds):
             raise ValueError(f"{len(values)} outcomes of {len(self.seeds)} trials")
+        if not all(isinstance(v, int | float) and isinstance(r, str) for v, r in zip(values, reasons, strict=True)):
+            raise ValueError("an outcome is no number, or its reason no text")
         return tuple(map(TrialOutcome, values, reasons))
 
     def failed(self, reason: str, wall_time: float, status: Status) -> tuple[TrialOutcome, ...]:

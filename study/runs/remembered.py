@@ -50,5 +50,5 @@ def remembered_lineup(path: Path) -> tuple[list[Cell], dict[str, str]]:
             for seed in seeds
         ]
         return cells, {str(case): str(source) for case, source in noted["sources"].items()}
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
+    except (ValueError, TypeError, KeyError, AttributeError, StudyError) as error:
         raise StudyError(f"results file {path}: its line-up cannot be read ({error}); run `study run` again") from error

@@ -20,6 +20,7 @@ from study.judge import Verdict
 from study.parametric import ParametricTrajectory
 from study.planning import RunSettings
 from study.problem import Problem
+from study.store.content import check_result, parsed
 from study.store.kept import Arrays, Encoded
 from study.store.results import Cell, Result
 from study.trajectory import Motion, Trajectory
@@ -103,7 +104,7 @@ def _settings_text(settings: tuple[object, ...]) -> str:
 
 def settings_from(text: str, seed: int) -> RunSettings:
     """Read run settings from JSON and a seed."""
-    return RunSettings(**json.loads(text), seed=seed)
+    return RunSettings(**parsed(text), seed=seed)
 
 
 def pack_arrays(arrays: Mapping[str, NDArray[Any]]) -> bytes:
@@ -141,7 +142,7 @@ def unpack_arrays(blob: bytes) -> dict[str, NDArray[Any]]:
     start = len(MAGIC) + 4
     place = start + int.from_bytes(blob[len(MAGIC) : start], "little")
     arrays: dict[str, NDArray[Any]] = {}
-    for name, text, shape in json.loads(blob[start:place]):
+    for name, text, shape in parsed(blob[start:place]):
         dtype = _check_numbers(name, np.dtype(text))
         count = math.prod(shape)
         arrays[name] = np.frombuffer(blob, dtype, count, place).reshape(shape).copy()
@@ -195,7 +196,14 @@ def encode(result: Result) -> Encoded:
 
 
 def decode(cell: Cell, encoded: Encoded) -> Result:
-    """Turn what `encode` made back into a result."""
+    """Turn what `encode` made back into a result.
+
+    Raises
+    ------
+    ValueError
+        If it holds anything else.
+    """
+    check_result(encoded)
     document, arrays = encoded.document, encoded.arrays
     return Result(
         cell=cell,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from functools import lru_cache
 
 from study.code_digest import code_digest, has_source
 from study.registry import method_names, planner_code
 from study.store.codec import canonical
+from study.store.content import parsed
 
 PLANNER = "planner "
 """Begins the name of a planner among the names of modules."""
@@ -41,7 +41,7 @@ def code_behind(planners: tuple[str, ...] = (), modules: tuple[str, ...] = ()) -
 def is_stale(code: str) -> bool:
     """Tell whether installed code differs from what `code_behind` named; what is not installed or read does not differ."""
     try:
-        named = dict(json.loads(code))
+        named = dict(parsed(code))
     except (ValueError, TypeError):
         return False
     return any(_present(name) not in (None, stored) for name, stored in named.items())

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from study.planning import Status
 from study.store.codec import canonical, checksum, pack_arrays, unpack_arrays
+from study.store.content import parsed
 from study.store.kept import Encoded, Keepable, key_of
 
 T = TypeVar("T")
@@ -73,10 +73,10 @@ class Row:
                 raise ValueError("its checksum does not fit")
             *_, status, feasible, duration, worst_ratio, evaluations = self.checked
             return Encoded(
-                dict(json.loads(self.document)), unpack_arrays(self.arrays), dict(json.loads(times)), wall_time,
+                dict(parsed(self.document)), unpack_arrays(self.arrays), dict(parsed(times)), wall_time,
                 Status[status], bool(feasible), duration, worst_ratio, evaluations,
             )  # fmt: skip
-        except (KeyError, TypeError, AttributeError, RecursionError) as error:
+        except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"it cannot be read: {error}") from error
 
 

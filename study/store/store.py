@@ -8,7 +8,6 @@ all that two equal runs have in common, and the seal of the rest: label, digest 
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Iterable
 from contextlib import ExitStack
 from itertools import islice
@@ -19,6 +18,7 @@ from typing import Any, TypeVar
 from study.errors import StudyError
 from study.planning import Status
 from study.store.codec import canonical, checksum
+from study.store.content import parsed
 from study.store.file import explained, reading, transaction, writing
 from study.store.kept import Keepable, key_of
 from study.store.row import CHECKED, SEALED, Row, row_of
@@ -184,8 +184,8 @@ class Store:
             return None
         try:
             if checksum([name, row[0]]) == row[1]:
-                return json.loads(row[0])
-        except (ValueError, TypeError, RecursionError):  # junk under a checksum that fits
+                return parsed(row[0])
+        except (ValueError, TypeError):  # junk under a checksum that fits
             pass
         raise StudyError(f"results file {self.path}: its note {name!r} is damaged; move the file away and run again")
 

@@ -1,16 +1,19 @@
+import json
 import os
 import sqlite3
 import subprocess
 import sys
 from contextlib import closing, contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from study.errors import StudyError
 from study.runs.execute import stored_results
-from study.store.codec import checksum
+from study.runs.remembered import LINEUP, remembered_lineup
+from study.store.codec import MAGIC, checksum, pack_arrays, unpack_arrays
 from study.store.file import writing
 from study.store.maintenance import compact, export_columns, merge, tallies, verify
 from study.store.row import CHECKED, SEALED, Row, row_digest
@@ -205,10 +208,39 @@ def test_values_of_another_kind_are_found_before_anything_is_read(filled, junk, 
     assert not list(tmp_path.glob("e.*"))
 
 
+def without_shape(name, blob):
+    """Make one of a result's arrays a single row."""
+    arrays = unpack_arrays(blob)
+    return pack_arrays({**arrays, name: arrays[name].ravel()})
+
+
+DEEP = "[" * 20_000
+
+
+def other(*path_and_document, value):
+    """Put a value of another kind into a result's document."""
+    *path, document = path_and_document
+    content = json.loads(document)
+    place = content
+    for name in path[:-1]:
+        place = place[name]
+    place[path[-1]] = value
+    return json.dumps(content)
+
+
 @pytest.mark.parametrize(
     ("part", "junk"),
-    [("document", "[1]"), ("document", "{"), ("document", "{}"), ("arrays", b"PK"), ("times", "["), ("status", "DONE")],
-)
+    [
+        ("document", "[1]"), ("document", "{"), ("document", "{}"), ("document", DEEP), ("arrays", b"PK"),
+        ("arrays", MAGIC + len(DEEP).to_bytes(4, "little") + DEEP.encode()), ("times", "["), ("times", DEEP), ("status", "DONE"),
+        *(("document", partial(other, *path, value=value)) for *path, value in (
+            ("message", 3), ("iterations", "7"), ("iterations", True), ("details", {"stretch": [[]]}), ("lower_bound", {}),
+            ("motion", "Elsewhere"), ("verdict", "duration", [[]]), ("verdict", "continuity", 1.5), ("verdict", "reasons", 0),
+            ("verdict", "reasons", [None]),
+        )),
+        *(("arrays", partial(without_shape, name)) for name in ("history", "verdict.ratios", "verdict.times", "verdict.arm_shares")),
+    ],
+)  # fmt: skip
 def test_junk_under_a_fitting_checksum_is_damage_too(filled, cells, tiny_case, part, junk):
     with closing(sqlite3.connect(filled)) as connection:
         row = Row.of(connection.execute(f"{Row.QUERY} WHERE results.id = 1").fetchone())
@@ -226,8 +258,17 @@ def test_junk_under_a_fitting_checksum_is_damage_too(filled, cells, tiny_case, p
         stored_results(store, cells, {"tiny": tiny_case})
 
 
+@pytest.mark.parametrize("settings", [DEEP, "{", "[]", '{"curve": 1}', '{"no_such": 1}'])
+def test_settings_of_a_line_up_that_cannot_be_read_are_one_sentence(filled, settings):
+    with Store(filled) as store:
+        store.note(LINEUP, {"cells": [["tiny", "centre", "centre", settings, [0]]], "sources": {"tiny": "tiny"}})
+    with pytest.raises(StudyError, match="its line-up cannot be read"):
+        remembered_lineup(filled)
+
+
 def forge(row, part, junk):
     """Put junk into a row and make its checksums anew."""
+    junk = junk(getattr(row, part)) if callable(junk) else junk
     if part in ("document", "arrays"):
         row = replace(row, **{part: junk})
     checked, sealed = list(row.checked), list(row.sealed)
