@@ -17,6 +17,7 @@ import numpy as np
 
 from baselines.free_path.interior_point import Ending, Goal, Outcome, continued, frame_of, resumed, solve, started
 from baselines.free_path.model import Model, model_of
+from baselines.free_path.newton import Frame
 from baselines.free_path.pieces import Point
 from baselines.free_path.question import Flags, FreePathProblem
 from baselines.free_path.realise import closed, leaves_range, realise, stretch
@@ -44,6 +45,8 @@ NEAR = 1e-3
 OUTSIDE = 5e-7
 """Distance beyond the end of a range, as a share of the joint's span, that counts as leaving it."""
 
+CLOSINGS = (1e-2, 1e-4)
+"""Shares of a phase's error to which the equations are closed where a range is left by what is left of them."""
 
 Begin = Outcome | Point | None
 """A first phase that is done, a motion to begin one with, or nothing."""
@@ -175,7 +178,8 @@ def _with_neighbours(flags: Flags) -> Flags:
 def _finished(model: Model, first: Outcome, deadline: Deadline) -> Outcome:
     """Go on with the widths as they are, until little is left of the equations."""
     frame, finishing = frame_of(model, False, graded(model)), _goals(deadline)[2]
-    last = solve(frame, resumed(frame, first.state, 1e-4), replace(finishing, barrier=1e-5, error=1e-4, level=1e-5))
+    goal = replace(finishing, barrier=1e-5, error=1e-4, level=1e-5)
+    last = _within_range(model, frame, solve(frame, resumed(frame, first.state, 1e-4), goal), goal)
     return replace(last, iterations=first.iterations + last.iterations)
 
 
@@ -186,14 +190,20 @@ def _freed(model: Model, first: Outcome, deadline: Deadline) -> list[Outcome]:
     second = solve(frame, resumed(frame, first.state, 1e-3), freeing)
     widths = np.maximum(second.state.point.widths, 1e-12)
     frame = frame_of(model, False, widths / widths.sum(axis=2, keepdims=True))
-    third = solve(frame, continued(frame, second.state), finishing)
-    spent = first.iterations + second.iterations + third.iterations
-    outside = leaves_range(model, third.state.point, -OUTSIDE)[:, model.joints]
-    if outside.any() and not (outside & ~model.held).any():  # the range is held, but the equations are too loose
-        third = solve(frame, third.state, replace(finishing, closing=1e-2 * finishing.error, level=0.0))
-        spent += third.iterations
-    third = replace(third, iterations=spent)
+    third = _within_range(model, frame, solve(frame, continued(frame, second.state), finishing), finishing)
+    third = replace(third, iterations=first.iterations + second.iterations + third.iterations)
     return [second, third] if third.ending is not Ending.CONVERGED and model.question.scalable else [third]
+
+
+def _within_range(model: Model, frame: Frame, outcome: Outcome, goal: Goal) -> Outcome:
+    """Go on where a range of positions is held, but the motion leaves it because the equations are closed too loosely."""
+    for closing in CLOSINGS if model.held.any() else ():
+        outside = leaves_range(model, closed(model, outcome.state.point), -OUTSIDE)[:, model.joints]
+        if not outside.any() or (outside & ~model.held).any():
+            break
+        again = solve(frame, outcome.state, replace(goal, closing=closing * goal.error, level=0.0))
+        outcome = replace(again, iterations=outcome.iterations + again.iterations)
+    return outcome
 
 
 def _answer(model: Model, outcomes: list[Outcome], iterations: int) -> Answer:

@@ -178,3 +178,8 @@ def test_a_joint_between_equal_waypoints_moves_where_the_start_pushes_it(jerk):
 
 def test_a_motion_that_misses_a_limit_by_a_hair_is_planned_again_with_less_room():
     assert endure(Attempt("free-path", 18, 434, 20.0)).kind == FEASIBLE
+
+
+def test_the_first_phase_alone_keeps_a_range_that_is_narrow_beside_the_other_joints_moves():
+    attempt = Attempt("free-path-first", 18, 380, 20.0)  # a joint that moves 0.4 mrad while another one moves 2 krad
+    assert endure(attempt).kind == FEASIBLE
