@@ -196,7 +196,7 @@ def _freed(model: Model, first: Outcome, deadline: Deadline) -> list[Outcome]:
 
 
 def _within_range(model: Model, frame: Frame, outcome: Outcome, goal: Goal) -> Outcome:
-    """Go on where a range of positions is held, but the motion leaves it because the equations are closed too loosely."""
+    """Go on where a range of positions is held, but left because the equations are closed too loosely."""
     for closing in CLOSINGS if model.held.any() else ():
         outside = leaves_range(model, closed(model, outcome.state.point), -OUTSIDE)[:, model.joints]
         if not outside.any() or (outside & ~model.held).any():
