@@ -97,8 +97,8 @@ def play(page, shell):
             shell([sys.executable, "-W", "ignore", "-c", EACH, *(text for _, _, _, text in group)])
 
 
-LONG = {"index.md", "own-robot.md", "performance.md"}
-"""Pages with a whole comparison or bench: run with the slow tests."""
+LONG = {"add-a-planner.md", "benchmark.md", "index.md", "own-robot.md", "performance.md", "suites.md"}
+"""Pages with a whole comparison, bench or run of a suite: run with the slow tests."""
 
 
 @pytest.mark.parametrize(

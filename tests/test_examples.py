@@ -68,6 +68,7 @@ def compared(outside, tmp_path_factory):
     return run(["-m", "study", "compare", "mine.yaml", *arguments], folder, outside), folder / "study-output"
 
 
+@pytest.mark.slow
 def test_a_strangers_planners_stand_in_the_terminal_as_ours_do(compared):
     rows = {words[0]: words[1:] for line in compared[0].splitlines() if (words := line.replace("│", " ").split())}
     assert rows["chord-rule"][:2] == rows["shrinking-steps"][:2] == ["case's", "curve"]
@@ -87,6 +88,7 @@ for rung in summarise(cases, results)[0].rungs:
 """
 
 
+@pytest.mark.slow
 def test_a_strangers_planners_stand_in_report_and_ladder_as_ours_do(compared, outside):
     page = (compared[1] / "report" / "mine.html").read_text()
     names = page[page.index("What the names of the methods mean") :]
@@ -104,6 +106,7 @@ def test_a_strangers_planners_stand_in_report_and_ladder_as_ours_do(compared, ou
     assert kinds["stop-and-go"] == ("deterministic", "free path")
 
 
+@pytest.mark.slow
 def test_a_strangers_planners_stand_in_the_recording_as_ours_do(compared):
     (recording,) = (compared[1] / "recordings").iterdir()
     summary = chunks(recording, "/summary", "TextDocument:text")[0].column("TextDocument:text").to_pylist()[0][0]
@@ -122,6 +125,7 @@ def test_a_strangers_planner_is_tortured_as_ours_are(outside, tmp_path):
     assert others == [0, 0, 0]
 
 
+@pytest.mark.slow
 def test_the_package_passes_the_conformance_tests(outside, tmp_path):
     copy = tmp_path / "test_outside_planner.py"
     copy.write_bytes((EXAMPLES / "outside_planner" / "test_outside_planner.py").read_bytes())

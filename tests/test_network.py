@@ -80,6 +80,7 @@ RUN = [
 ]
 
 
+@pytest.mark.slow
 def test_a_run_with_report_and_recording_stays_on_this_machine(guarded, tmp_path):
     environment, log = guarded
     arguments = command("run", *RUN, "--jobs", 2, "--out", tmp_path / "o")

@@ -25,6 +25,7 @@ from tests.helpers.recordings import series
 Command = Callable[..., subprocess.CompletedProcess[str]]
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(240)
 def test_a_killed_run_leaves_recordings_of_what_was_finished(
     study_command: Command, case_file: Path, tmp_path: Path

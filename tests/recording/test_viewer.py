@@ -41,6 +41,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return record_case(summarise_case(case, some_results(case)), tmp_path_factory.mktemp("viewer") / "woodworking.rrd")
 
 
+@pytest.mark.slow
 @can_draw
 @pytest.mark.timeout(240)
 def test_every_tab_is_drawn_without_complaint(recording: Path) -> None:
@@ -67,9 +68,8 @@ def test_every_tab_is_drawn_without_complaint(recording: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "tabs"),
     [
-        ("woodworking", SEARCHED),
         (FIRST_LOOK, ("Overview", "Search population in motion")),
-        *(pytest.param(name, SEARCHED, marks=pytest.mark.slow) for name in OTHERS),
+        *(pytest.param(name, SEARCHED, marks=pytest.mark.slow) for name in ("woodworking", *OTHERS)),
     ],
 )
 def test_the_first_look_and_the_searches_of_every_case(name: str, tabs: tuple[str, ...], tmp_path: Path) -> None:

@@ -34,6 +34,7 @@ def run(tmp_path, stubs, tiny_case):
     return run_on
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # of Dask's own making
 @pytest.mark.timeout(200)
 def test_a_real_scheduler_that_loses_a_worker_brings_the_same_results(run, tmp_path):

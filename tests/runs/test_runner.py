@@ -59,6 +59,7 @@ def test_every_motion_is_judged_and_timed(run, tiny_case):
         assert 0 < result.wall_time < 5
 
 
+@pytest.mark.slow
 def test_results_are_the_same_whatever_the_executor_and_the_number_of_workers(run, tiny_case):
     planners = "stub-steady,stub-seeded,pso,golds-pso:scaled,shared,ruckig-stops"
     with ThreadPoolExecutor(2) as threads, ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
@@ -71,6 +72,7 @@ def test_results_are_the_same_whatever_the_executor_and_the_number_of_workers(ru
     assert len(set(digests)) == 1
 
 
+@pytest.mark.slow
 def test_failures_become_results_with_their_reason(run, tiny_case):
     planners = "stub-crash,stub-exit,stub-raise,stub-refuse,stub-odd,stub-unsendable,stub-steady"
     results, digest = run(tiny_case, planners, seeds=1, workers=2)
@@ -232,6 +234,7 @@ def children_of(pid: int) -> list[int]:
     return [int(p) for p in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(400)
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks at /proc")
 def test_kill_9_loses_only_jobs_in_flight_and_the_next_run_ends_the_same(tmp_path, script):
