@@ -159,7 +159,12 @@ def continued(frame: Frame, state: State) -> State:
 
 
 def solve(frame: Frame, state: State, goal: Goal) -> Outcome:
-    """Iterate until the goal is reached."""
+    """Iterate until the goal is reached; a step that overflows is not taken, and ends the run."""
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        return _iterated(frame, state, goal)
+
+
+def _iterated(frame: Frame, state: State, goal: Goal) -> Outcome:
     run = Run(frame, state)
     for iteration in range(goal.iterations):
         if run.reached(goal):
@@ -273,8 +278,12 @@ class Run:
             primal *= 0.5
         multipliers = state.multipliers + dual * step.multipliers
         self._note(primal, dual)
+        before = self.at
         self._enter(State(point, slacks, multipliers, state.equations + dual * step.equations), at)
-        return self.search.alive and bool(np.isfinite(self.mu + self.dual + self.primal))
+        if not np.isfinite(self.mu + self.dual + self.primal):
+            self._enter(state, before)
+            return False
+        return self.search.alive
 
     def _note(self, primal: float, dual: float) -> None:
         duration = float(self.frame.model.tau @ self.state.point.durations)

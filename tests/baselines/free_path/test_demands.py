@@ -7,10 +7,12 @@ import pytest
 
 from baselines.closed_forms import three_limit_time
 from baselines.free_path.planner import FreePathPlanner
-from study import EndCondition, JointLimits, Problem, judge
+from study import EndCondition, JointLimits, Problem, judge, plan
+from study.api import onward
 from study.planning import RunSettings, Status
 from study.problem import State, Timing, Tube
 from study.registry import planner_named
+from study.suites.tasks import arm_problems
 from study.testing.stress import FEASIBLE, Attempt, endure
 from tests.helpers.reference_problems import INF
 
@@ -183,3 +185,13 @@ def test_a_motion_that_misses_a_limit_by_a_hair_is_planned_again_with_less_room(
 def test_the_first_phase_alone_keeps_a_range_that_is_narrow_beside_the_other_joints_moves():
     attempt = Attempt("free-path-first", 18, 380, 20.0)  # a joint that moves 0.4 mrad while another one moves 2 krad
     assert endure(attempt).kind == FEASIBLE
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_slack_that_vanishes_says_nothing_on_the_screen():
+    problem = next(problem for problem in arm_problems(1) if problem.name == "ur5e-rand20")
+    motion = plan(problem, "fast").motion
+    at = 0.65 * motion.duration
+    following = int(np.searchsorted(motion.waypoint_times, at))
+    asked = onward(problem, motion, at, problem.waypoints[following : following + 5])
+    assert plan(asked, "fast").feasible
