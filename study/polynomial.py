@@ -17,7 +17,6 @@ from study.problem import Floats
 SETTLED = 1e-9
 """Step of Newton's iteration on the unit interval, the last one; what it leaves is of the order of its square."""
 
-
 VANISHING = 4e-16
 """Value of a polynomial of size 1 that cannot be told from zero."""
 

@@ -47,9 +47,7 @@ def begin(right: Floats, errors: Floats, blocks: Arrays, equations: Equations, o
             solve_one(factors[i, j], ny - count, place[count:])
             shared[i, j] = 0.0
             for c in range(count):
-                rest = turned[c] - shifts[i, j] * place[c]
-                for p in range(ny):
-                    rest -= own[c, p] * place[p]
+                rest = _rest(turned, own, shifts[i, j], place, c)
                 for a in range(SHARED):
                     shared[i, j, a] += follow[i, j, c, a] * rest
             for p in range(ny):
@@ -58,26 +56,32 @@ def begin(right: Floats, errors: Floats, blocks: Arrays, equations: Equations, o
 
 
 @kernel
+def _rest(turned: Floats, own: Floats, shift: float, place: Floats, row: int) -> float:
+    """One row of a right side less B times what stands inside of the block."""
+    rest = turned[row] - shift * place[row]
+    for p in range(len(place)):
+        rest -= own[row, p] * place[p]
+    return float(rest)
+
+
+@kernel
 def complete(right: Floats, shared: Floats, blocks: Arrays, equations: Equations, out: tuple[Floats, Floats]) -> None:
     """The step inside of every block, on from y0, and in its multipliers; `out` is filled, its first part holds y0."""
     inner, cross, triangle, normals, _, shifts, follow = blocks
     counts, which = equations
     inside, multipliers = out
-    ny = inner.shape[2]
-    turned = np.empty(ny)
+    turned = np.empty(inner.shape[2])
     for i in range(inner.shape[0]):
         for j in range(inner.shape[1]):
             count, own, place, lower = counts[j], inner[i, j], inside[i, j], triangle[i, j]
             turned[:] = right[i, j]
             reflected(normals[i, j], count, turned)
-            for p in range(ny):
+            for p in range(len(place)):
                 for a in range(SHARED):
                     place[p] += follow[i, j, p, a] * shared[i, j, a]
             multipliers[i, j] = 0.0
             for c in range(count - 1, -1, -1):
-                rest = turned[c] - shifts[i, j] * place[c]
-                for p in range(ny):
-                    rest -= own[c, p] * place[p]
+                rest = _rest(turned, own, shifts[i, j], place, c)
                 for a in range(SHARED):
                     rest -= cross[i, j, c, a] * shared[i, j, a]
                 for r in range(c + 1, count):
