@@ -88,13 +88,13 @@ class CMAES:
 
     def _optimiser(self, mean: Floats, population: int, rng: np.random.Generator) -> Any:
         try:
-            from cmaes import CMA  # here: only this search needs it
+            from study.search.cma_sampling import QuickCMA  # here: only this search needs the package
         except ModuleNotFoundError:
             raise StudyError("CMA-ES needs the Python package 'cmaes'; install it with pip") from None
 
         bounds = np.tile([0.0, 1.0], (len(mean), 1))
         seed = int(rng.integers(2**31))
-        return CMA(mean=mean, sigma=self.sigma, bounds=bounds, seed=seed, population_size=population)
+        return QuickCMA(mean=mean, sigma=self.sigma, bounds=bounds, seed=seed, population_size=population)
 
 
 def _random_numbers(optimiser: Any) -> np.random.RandomState:

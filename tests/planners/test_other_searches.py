@@ -152,6 +152,7 @@ def test_runs_of_different_length_still_make_one_history():
 
 def test_a_missing_peer_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "cmaes", None)
+    monkeypatch.delitem(sys.modules, "study.search.cma_sampling", raising=False)
     with pytest.raises(StudyError, match="needs the Python package 'cmaes'; install it with pip"):
         other_searches.CMA_ES.plan(PROBLEM, SETTINGS)
 

@@ -6,10 +6,12 @@ import dataclasses
 
 import numpy as np
 import pytest
+from cmaes import CMA
 
 from study.errors import StudyError
 from study.planning import Meter
 from study.search.cma_es import CMAES
+from study.search.cma_sampling import QuickCMA
 from study.search.de import DE
 from study.search.gsa import GSA
 from study.search.loop import minimise
@@ -166,3 +168,17 @@ def test_cma_es_leaves_its_states_unchanged():
     first = search.ask(told, rng).candidates
     np.testing.assert_array_equal(first, search.ask(told, rng).candidates)
     np.testing.assert_array_equal(first, search.ask(again, rng).candidates)
+
+
+@pytest.mark.parametrize("dimensions", [2, 9, 40])
+def test_the_samples_of_cma_es_are_those_of_its_package_to_the_byte(dimensions):
+    bounds = np.tile([0.0, 1.0], (dimensions, 1))
+    weights, drawn = np.arange(1, dimensions + 1), []
+    for kind in (CMA, QuickCMA):
+        optimiser = kind(np.full(dimensions, 0.5), 0.3, bounds, seed=5, population_size=10)
+        populations = []
+        for _ in range(12):
+            populations.append([optimiser.ask() for _ in range(10)])
+            optimiser.tell([(point, float(((point - 0.3) ** 2 * weights).sum())) for point in populations[-1]])
+        drawn.append(np.array(populations).tobytes())
+    assert drawn[0] == drawn[1]
