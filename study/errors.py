@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Sequence
 
 
@@ -60,6 +61,11 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> StudyError:
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.4)
     hint = f"; did you mean {near[0]!r}?" if near else ";"
     return StudyError(f"no {kind} {name!r}{hint} known: {', '.join(names) or 'none'}")
+
+
+def unforeseen(error: BaseException) -> str:
+    """Type and text of an exception, without places in memory, which no two runs share: results repeat to the byte."""
+    return re.sub(r" at 0x[0-9A-Fa-f]+", "", f"{type(error).__name__}: {error}")
 
 
 def plural(number: int, noun: str) -> str:

@@ -14,7 +14,7 @@ from typing import cast
 
 from study.bounds import Method, undescribed_bound
 from study.code_digest import OURS, code_digest
-from study.errors import StudyError, unknown
+from study.errors import StudyError, unforeseen, unknown
 from study.planning import Planner, undescribed
 
 PEERS = "study.peers"
@@ -135,9 +135,7 @@ def _load(kind: str, name: str, path: tuple[str, ...]) -> object:
             f"{kind} {name!r} needs the Python package {error.name!r}, which is not installed; {_remedy(entry)}"
         ) from error
     except Exception as error:  # a stranger's module may raise anything on import
-        raise StudyError(
-            f"{kind} {name!r} could not be loaded from {entry.value!r}: {type(error).__name__}: {error}"
-        ) from error
+        raise StudyError(f"{kind} {name!r} could not be loaded from {entry.value!r}: {unforeseen(error)}") from error
     if reason := undescribed(method) if kind == "planner" else undescribed_bound(method):
         raise StudyError(f"{kind} {name!r} ({entry.value}) is not a {kind}: {reason}")
     return method

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from study.comparison.tasks import Task, function_task, trajectory_task
+from study.errors import unforeseen
 from study.planning import Meter, Status
 from study.problem import Floats, Problem
 from study.runs.job import PATIENCE
@@ -180,7 +181,7 @@ class TrialJob:
             with np.errstate(all="ignore"):
                 minimise(self.search, meter, task.box, self.trial.population, np.random.default_rng(seed))
         except Exception as error:  # it is a record, not a crash
-            reason = f"{type(error).__name__}: {error}"
+            reason = unforeseen(error)
         return TrialOutcome(_error(meter, task), reason)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from study.bounds import Method
 from study.demands import refusal
-from study.errors import StudyError
+from study.errors import StudyError, unforeseen
 from study.judge import judge
 from study.planning import Plan, Planner, RunSettings, Status
 from study.problem import Problem
@@ -103,7 +103,7 @@ class CellJob:
         except MemoryError:
             reason = "memory ran out"
         except Exception as error:  # a planner may raise anything; it is a record, not a crash
-            reason = f"{type(error).__name__}: {error}"
+            reason = unforeseen(error)
         return self.failed(reason, time.perf_counter() - started)
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any, TypeVar
 
-from study.errors import StudyError
+from study.errors import StudyError, unforeseen
 from study.planning import Status
 from study.runs.job import Job
 from study.runs.pool import Overdue, WorkerDied, WorkerPool, call_guarded
@@ -204,4 +204,4 @@ def _recorded(job: Job[T], answer: Callable[[], T]) -> T:
     except MemoryError:
         return job.failed("memory ran out", 0.0, Status.FAILED)
     except Exception as error:  # the answer could not travel, for instance
-        return job.failed(f"{type(error).__name__}: {error}", 0.0, Status.FAILED)
+        return job.failed(unforeseen(error), 0.0, Status.FAILED)

@@ -11,7 +11,7 @@ import numpy as np
 from study.bounds import Bound, LowerBound, undescribed_bound
 from study.curves import CURVES
 from study.demands import refusal
-from study.errors import StudyError
+from study.errors import StudyError, unforeseen
 from study.judge import judge
 from study.parametric import ParametricTrajectory
 from study.planning import (
@@ -107,7 +107,7 @@ def _answer(planner: Planner, problem: Problem, settings: RunSettings, where: st
         return error
     except Exception as error:
         raise NonconformingError(
-            f"{where} it raised {type(error).__name__}: {error}; return a plan with a status and a message"
+            f"{where} it raised {unforeseen(error)}; return a plan with a status and a message"
         ) from error
     _require(isinstance(plan, Plan), f"{where} it returned a {type(plan).__name__}, not a study.planning.Plan")
     return plan

@@ -11,7 +11,7 @@ import numpy as np
 
 from study.api import TIERS, plan
 from study.demands import refusal
-from study.errors import StudyError
+from study.errors import StudyError, unforeseen
 from study.judge import judge
 from study.planning import RunSettings, Status, usual_settings
 from study.problem import Problem
@@ -93,7 +93,7 @@ def endure(attempt: Attempt) -> AttemptEnd:
     except StudyError as error:
         return AttemptEnd(attempt, REASON, str(error))
     except Exception as error:  # this is what is looked for
-        return AttemptEnd(attempt, CRASH, f"{type(error).__name__}: {error}")
+        return AttemptEnd(attempt, CRASH, unforeseen(error))
     if verdict is None:
         return AttemptEnd(attempt, REASON if plan.message else WRONG, plan.message or "neither a motion nor a reason")
     if verdict.feasible and plan.motion is not None:
@@ -119,7 +119,7 @@ def _by_tier(attempt: Attempt, problem: Problem, settings: RunSettings) -> Attem
     try:
         planned = plan(problem, attempt.planner, settings)
     except Exception as error:  # this is what is looked for
-        return AttemptEnd(attempt, CRASH, f"{type(error).__name__}: {error}")
+        return AttemptEnd(attempt, CRASH, unforeseen(error))
     if planned.feasible:
         return _sampled(attempt, problem, planned.motion)
     return AttemptEnd(attempt, REASON if planned.reason else WRONG, planned.reason or "neither a motion nor a reason")

@@ -92,7 +92,7 @@ def test_run_goes_on_where_it_stopped_and_report_shows_the_same(study_command, s
     first = study_command("run", *arguments, "--seeds", 2, "--jobs", 1, "--no-report")
     assert first.returncode == 0, first.stderr
     assert "4 cells, 0 stored already" in first.stdout
-    assert "IndexError: list index out of range" in first.stdout
+    assert "KeyError: <object object>" in first.stdout
     second = study_command("run", *arguments, "--seeds", 3, "--jobs", 2, "--no-report")
     assert "6 cells, 4 stored already" in second.stdout
     assert "3 of 3" in second.stdout
