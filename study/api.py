@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from study.answers import Comparison, Planned, stops_everywhere
-from study.arrays import of_kind, short, whole
+from study.arrays import at_least_zero, frozen_array, of_kind, whole
 from study.cautions import unbounded_joints
 from study.deadline import NEVER, Deadline
-from study.errors import StudyError
+from study.errors import StudyError, short
 from study.planning import RunSettings, single_move, usual_settings
 from study.problem import Demand, Problem, State
 from study.registry import planner_about, planner_named, planner_names
@@ -115,9 +115,10 @@ def plan_many(
     StudyError
         If there is no such planner, or no worker. What goes wrong with one problem is the reason in its own answer.
     """
-    asked = list(problems)
-    if jobs < 1:
-        raise StudyError(f"plan_many needs at least one job, got {jobs}")
+    if not isinstance(problems, Iterable):
+        raise StudyError(f"plan_many needs a list of problems, got {short(problems)}")
+    asked = [of_kind(problem, Problem, "every one of the problems") for problem in problems]
+    whole(jobs, 1, "jobs")
     if jobs == 1 or len(asked) < 2:
         return [plan(problem, planner, settings) for problem in asked]
     if planner not in TIERS:
@@ -157,6 +158,14 @@ def onward(problem: Problem, motion: Motion, time: float, waypoints: ArrayLike) 
     StudyError
         If the waypoints do not fit, or the first is where the arm is already.
     """
+    of_kind(problem, Problem, "problem")
+    if not isinstance(motion, Motion) or motion.n_joints != problem.n_joints:
+        kind = f"one of {motion.n_joints}" if isinstance(motion, Motion) else type(motion).__name__
+        raise StudyError(f"case {problem.name!r} needs a motion of {problem.n_joints} joints under way, got {kind}")
+    new = np.atleast_2d(frozen_array(waypoints, "waypoints"))
+    if new.ndim != 2 or new.shape[1] != problem.n_joints:
+        raise StudyError(f"waypoints must have shape (n_new, {problem.n_joints}), got {new.shape}")
+    at_least_zero(time, "time")
     place, *rates = (motion(np.array([time]), order)[0] for order in range(3))
     room = problem.limits
     place = np.clip(place, room.lower, room.upper)
@@ -164,8 +173,9 @@ def onward(problem: Problem, motion: Motion, time: float, waypoints: ArrayLike) 
     limited = [np.isfinite(room.rates[order + 1]).any() for order in range(2)]
     state = State(rates[0] if limited[0] else None, rates[1] if limited[1] else None)
     finish = problem.finish if problem.finish is not None else problem.end
-    points = np.vstack([place, np.asarray(waypoints, dtype=float)])
-    return Problem(problem.name, points, room, start=state, finish=finish, joint_names=problem.joint_names)
+    return Problem(
+        problem.name, np.vstack([place, new]), room, start=state, finish=finish, joint_names=problem.joint_names
+    )
 
 
 def _stages(problem: Problem, tier: str) -> list[tuple[str, ...]]:

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from study.errors import StudyError
+from study.errors import StudyError, plural, short
 
 Floats = NDArray[np.float64]
 T = TypeVar("T")
@@ -63,12 +63,9 @@ def positive(value: object, what: str) -> float:
     StudyError
         If the value is anything else; true and false are no numbers.
     """
-    number = None
-    if isinstance(value, int | float | np.number) and not isinstance(value, bool):
-        number = frozen_array(value, what)
-    if number is None or not 0 < number < np.inf:
-        raise StudyError(f"{what} must be a positive number, got {value!r}")
-    return float(number)
+    if not 0 < (number := _number(value)) < np.inf:
+        raise StudyError(f"{what} must be a positive number, got {short(value)}")
+    return number
 
 
 def at_least_zero(value: object, what: str) -> float:
@@ -79,13 +76,21 @@ def at_least_zero(value: object, what: str) -> float:
     StudyError
         If the value is anything else; true and false are no numbers.
     """
-    try:
-        number = float(value) if isinstance(value, int | float | np.number) and not isinstance(value, bool) else np.nan
-    except (OverflowError, TypeError):  # a whole number beyond all floats; a complex one
-        number = np.nan
-    if not number >= 0:
+    if not (number := _number(value)) >= 0:
         raise StudyError(f"{what} must be a number of at least 0, got {short(value)}")
     return number
+
+
+def _number(value: object) -> float:
+    """Take one real number; NaN for anything else."""
+    try:
+        return (
+            float(value)
+            if isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+            else np.nan
+        )
+    except OverflowError:  # a whole number beyond all floats
+        return np.nan
 
 
 def whole(value: object, least: int, what: str, most: float = np.inf) -> int:
@@ -115,9 +120,18 @@ def of_kind(value: object, kind: type[T], what: str) -> T:
     return value
 
 
-def short(value: object) -> str:
-    """Show any object in a few letters."""
-    return repr(value)[:40] if isinstance(value, str | int | float | None) else f"{str(value)[:40]!r}"
+def row(values: ArrayLike, length: int, what: str) -> Floats:
+    """Copy a row of so many numbers.
+
+    Raises
+    ------
+    StudyError
+        If it is anything else.
+    """
+    array = frozen_array(values, what)
+    if array.shape != (length,):
+        raise StudyError(f"{what} must be a row of {plural(length, 'number')}, got shape {array.shape}")
+    return array
 
 
 def index_in(index: object, allowed: range, what: str) -> int:
@@ -130,7 +144,7 @@ def index_in(index: object, allowed: range, what: str) -> int:
     """
     if isinstance(index, bool) or not isinstance(index, int | np.integer) or index not in allowed:
         places = f"from {allowed[0]} to {allowed[-1]}" if allowed else "none"
-        raise StudyError(f"{what} {index!r} is none of the places allowed, which are {places}")
+        raise StudyError(f"{what} {short(index)} is none of the places allowed, which are {places}")
     return int(index)
 
 
@@ -154,4 +168,4 @@ def check_kinds(part: object, kinds: Mapping[str, tuple[type, ...]], where: str)
         value = getattr(part, name)
         if not isinstance(value, allowed):
             words = " or ".join(kind.__name__ for kind in allowed if kind is not type(None))
-            raise StudyError(f"{where}: {name} must be a {words}, got {type(value).__name__} {str(value)[:40]!r}")
+            raise StudyError(f"{where}: {name} must be a {words}, got {type(value).__name__} {short(value)}")

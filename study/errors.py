@@ -68,6 +68,14 @@ def unforeseen(error: BaseException) -> str:
     return re.sub(r" at 0x[0-9A-Fa-f]+", "", f"{type(error).__name__}: {error}")
 
 
+def short(value: object) -> str:
+    """Show any object in a few letters."""
+    try:
+        return repr(value)[:40] if isinstance(value, str | int | float | None) else f"{str(value)[:40]!r}"
+    except ValueError:  # Python does not write out whole numbers of more than 4,300 digits
+        return "a number of thousands of digits"
+
+
 def plural(number: int, noun: str) -> str:
     """Number and noun, with an s where needed."""
     return f"{number} {noun}{'' if number == 1 else 's'}"

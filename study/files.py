@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from study.errors import StudyError
+from study.errors import StudyError, short
 
 MOST_BYTES = 256 * 2**20
 """Largest file that is read."""
@@ -30,7 +30,7 @@ def named(path: object) -> Path:
         If it is neither a text nor a `pathlib.Path`.
     """
     if not isinstance(path, str | Path):
-        raise StudyError(f"a file is named by a text or a pathlib.Path, got {type(path).__name__} {str(path)[:40]!r}")
+        raise StudyError(f"a file is named by a text or a pathlib.Path, got {type(path).__name__} {short(path)}")
     return Path(path)
 
 

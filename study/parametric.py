@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import polynomial
-from study.arrays import positive
+from study.arrays import positive, row
 from study.errors import StudyError
 from study.problem import Floats, frozen_array
-from study.trajectory import Extrema, chosen, derivative, instants, window
+from study.trajectory import Extrema, affine, chosen, derivative, instants, window
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +113,8 @@ class ParametricTrajectory:
 
     def scaled(self, factor: float) -> ParametricTrajectory:
         """Run the same path `factor` times as slowly."""
-        return replace(self, time=self.time * positive(factor, "the factor of a slower run"))
+        with np.errstate(over="ignore"):  # what is not finite is refused
+            return replace(self, time=self.time * positive(factor, "the factor of a slower run"))
 
     def joints(self, indices: list[int]) -> ParametricTrajectory:
         """Keep some of the joints."""
@@ -134,6 +135,7 @@ class ParametricTrajectory:
 
     def mapped(self, matrix: Floats, offset: Floats) -> ParametricTrajectory:
         """Image under an affine map: matrix of shape (n_images, n_joints), offset of shape (n_images,)."""
+        matrix, offset = affine(matrix, offset, self.n_joints)
         position = self.position @ matrix.T
         position[:, 0] += offset
         return replace(self, position=position)
@@ -141,7 +143,7 @@ class ParametricTrajectory:
     def crossings(self, levels: Floats) -> Floats:
         """Times, s, that include every instant at which a joint passes its level; levels of shape (n_joints,)."""
         unit = np.moveaxis(self.position, 1, 2).copy()
-        unit[:, :, 0] -= levels
+        unit[:, :, 0] -= row(levels, self.n_joints, "levels to cross")
         return np.unique(polynomial.value(self.time[:, None, None, :], polynomial.roots(unit))) - self.time[0, 0]
 
 

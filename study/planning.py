@@ -15,8 +15,8 @@ from study.problem import Demand, EndCondition, Floats, Problem
 from study.supervisor import supervisor
 from study.trajectory import Motion
 
-LARGEST_SEED = 2**63 - 1
-"""Largest number of a seed that a results file has room for."""
+LARGEST = 2**63 - 1
+"""Largest whole number that a results file has room for."""
 
 
 class Status(Enum):
@@ -85,9 +85,8 @@ class RunSettings:
             of_kind(getattr(self, name), str, f"run settings: {name}")
         object.__setattr__(self, "formulation", Formulation(self.formulation))
         object.__setattr__(self, "synchronisation", Synchronisation(self.synchronisation))
-        for name in ("evaluations", "population"):
-            whole(getattr(self, name), 1, f"run settings: {name}")
-        whole(self.seed, 0, "run settings: seed", LARGEST_SEED)
+        for name, least in (("evaluations", 1), ("population", 1), ("seed", 0)):
+            object.__setattr__(self, name, whole(getattr(self, name), least, f"run settings: {name}", LARGEST))
         object.__setattr__(self, "time_limit", at_least_zero(self.time_limit, "run settings: time_limit"))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study.arm import ArmLimits
-from study.arrays import Floats, check_kinds, frozen_array, index_in, positive
+from study.arrays import Floats, check_kinds, frozen_array, index_in, of_kind, positive
 from study.demands import ARM, Demand
 from study.errors import StudyError, joint_error
 from study.limits import LARGEST, OPTIONAL, JointLimits, usual_bounds
@@ -95,6 +95,7 @@ class Problem:
         if self.end is None and isinstance(self.limits, JointLimits):
             smooth = bool(np.isfinite(self.limits.rates[2]).any())
             self._set("end", EndCondition.SMOOTH if smooth else EndCondition.REST)
+        of_kind(self.name, str, "the name of a problem")
         check_kinds(self, _KINDS, self._where)
         self._take_waypoints()
         self._check_positions()
@@ -151,13 +152,13 @@ class Problem:
         if bounds.shape != (2,) or not 0 <= bounds[0] < bounds[1] < np.inf:
             got = ", ".join(f"{bound:g}" for bound in bounds.ravel())
             raise StudyError(f"{self._where}: duration bounds must satisfy 0 <= lower < upper, got ({got}) s")
-        self._set("duration_bounds", tuple(self.duration_bounds))
+        self._set("duration_bounds", tuple(bounds.tolist()))
         names = tuple(self.joint_names) or tuple(f"joint {j + 1}" for j in range(self.n_joints))
         if len(names) != self.n_joints or isinstance(self.joint_names, str):
             raise StudyError(
                 f"{self._where}: {len(names)} joint names for {self.n_joints} joints; give a list with one for each"
             )
-        self._set("joint_names", names)
+        self._set("joint_names", tuple(of_kind(name, str, f"{self._where}: a joint's name") for name in names))
 
     def _take_ends(self) -> None:
         for state in self.end_states:
@@ -171,8 +172,8 @@ class Problem:
     def _take_passages(self) -> None:
         where, inner, segments = self._where, range(1, self.n_waypoints - 1), range(self.n_segments)
         self._set("stops", tuple(sorted({index_in(k, inner, f"{where}: stop") for k in self.stops})))
-        times = {k: positive(time, f"{where}: dwell at waypoint {k}") for k, time in (self.dwells or {}).items()}
-        self._set("dwells", {index_in(k, inner, f"{where}: dwell"): time for k, time in times.items()})
+        dwells = {index_in(k, inner, f"{where}: dwell"): time for k, time in (self.dwells or {}).items()}
+        self._set("dwells", {k: positive(time, f"{where}: dwell at waypoint {k}") for k, time in dwells.items()})
         given = {index_in(k, segments, f"{where}: segment limit"): v for k, v in (self.segment_limits or {}).items()}
         self._set("segment_limits", {k: self._limits_of_segment(k, limits) for k, limits in given.items()})
         if self.tolerance is not None:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from study import polynomial
-from study.arrays import index_in, positive, short, whole
-from study.errors import StudyError
+from study.arrays import index_in, positive, row, whole
+from study.errors import StudyError, short
 from study.problem import Floats, frozen_array
 
 
@@ -116,6 +116,22 @@ def chosen(indices: Sequence[int], n_joints: int) -> list[int]:
     return [index_in(index, range(n_joints), "joint") for index in indices]
 
 
+def affine(matrix: ArrayLike, offset: ArrayLike, n_joints: int) -> tuple[Floats, Floats]:
+    """Read an affine map of joints: matrix of shape (n_images, n_joints), offset of shape (n_images,).
+
+    Raises
+    ------
+    StudyError
+        If they are anything else.
+    """
+    factors = frozen_array(matrix, "the matrix of a map")
+    if factors.ndim != 2 or factors.shape[1] != n_joints:
+        raise StudyError(
+            f"the matrix of a map must have {n_joints} columns, one for each joint, got shape {factors.shape}"
+        )
+    return factors, row(offset, len(factors), "the offset of a map")
+
+
 def window(knots: Floats, start: float, stop: float) -> tuple[float, float, int, int]:
     """Snap a part of a motion to knots that differ from its ends by rounding only, and find the pieces that it touches.
 
@@ -189,12 +205,19 @@ class Trajectory:
         durations : array of shape (n_pieces,), s
         coefficients : array of shape (n_pieces, degree + 1, n_joints)
         pieces_per_segment : int or array of int of shape (n_segments,)
+
+        Raises
+        ------
+        StudyError
+            As for the motion itself, or if the segments have another number of pieces together.
         """
-        knots = np.concatenate([[0.0], np.cumsum(durations)])
-        counts = np.asarray(pieces_per_segment)
-        if counts.ndim == 0:
-            counts = np.full(len(durations) // int(counts), int(counts))
-        marks = np.concatenate([[0], np.cumsum(counts)])
+        knots = np.concatenate([[0.0], np.cumsum(np.atleast_1d(frozen_array(durations, "durations of pieces")))])
+        counts = frozen_array(pieces_per_segment, "pieces of a segment")
+        if counts.ndim == 0 and counts > 0:
+            counts = np.full(int((len(knots) - 1) // counts), counts)
+        if counts.ndim != 1 or (counts < 1).any() or (counts % 1).any() or counts.sum() != len(knots) - 1:
+            raise StudyError(f"whole numbers of pieces of the segments must add up to all {len(knots) - 1} pieces")
+        marks = np.concatenate([[0], np.cumsum(counts.astype(int))])
         return cls(knots, coefficients, knots[marks])
 
     @property
@@ -260,8 +283,10 @@ class Trajectory:
     def scaled(self, factor: float) -> Trajectory:
         """Run the same path `factor` times as slowly."""
         factor = positive(factor, "the factor of a slower run")
-        powers = factor ** np.arange(self.degree + 1)
-        return Trajectory(self.knots * factor, self.coefficients / powers[:, None], self.waypoint_times * factor)
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):  # what is not finite is refused
+            powers = factor ** np.arange(self.degree + 1)
+            knots, times = self.knots * factor, self.waypoint_times * factor
+            return Trajectory(knots, self.coefficients / powers[:, None], times)
 
     def joints(self, indices: list[int]) -> Trajectory:
         """Keep some of the joints."""
@@ -277,6 +302,7 @@ class Trajectory:
 
     def mapped(self, matrix: Floats, offset: Floats) -> Trajectory:
         """Image under an affine map: matrix of shape (n_images, n_joints), offset of shape (n_images,)."""
+        matrix, offset = affine(matrix, offset, self.n_joints)
         coefficients = self.coefficients @ matrix.T
         coefficients[:, 0] += offset
         return replace(self, coefficients=coefficients)
@@ -285,5 +311,5 @@ class Trajectory:
         """Times, s, that include every instant at which a joint passes its level; levels of shape (n_joints,)."""
         widths = np.diff(self.knots)
         unit = polynomial.stretched(np.moveaxis(self.coefficients, 1, 2), widths[:, None])
-        unit[:, :, 0] -= levels
+        unit[:, :, 0] -= row(levels, self.n_joints, "levels to cross")
         return np.unique(self.knots[:-1, None, None] + polynomial.roots(unit) * widths[:, None, None])

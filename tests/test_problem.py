@@ -8,6 +8,9 @@ import pytest
 from study import EndCondition, JointLimits, Problem, StudyError
 from study.problem import State, StraightPath, Timing, Tube
 
+HUGE = 10**5000
+"""A whole number that Python does not write out."""
+
 POINTS = [[0.0, 0.0], [1.0, 2.0], [2.0, 1.0]]
 
 
@@ -126,6 +129,20 @@ def test_scaled_limits():
         ({"path": "straight"}, "path must be a StraightPath or Tube, got str"),
         ({"path": Tube([0.1, 0.1, 0.1])}, "radius of a Tube must have one number for each of 2 joints, got 3"),
         ({"timing": 3.0}, "timing must be a Timing, got float"),
+        ({"name": 3}, "the name of a problem must be a str, got int 3"),
+        ({"joint_names": ["a", 2]}, "a joint's name must be a str, got int 2"),
+        *(
+            (change, "thousands of digits|too large to convert")
+            for change in (
+                *({name: HUGE} for name in ("name", "limits", "start", "path", "timing", "tolerance")),
+                {"stops": [HUGE]},
+                {"dwells": {HUGE: 1.0}},
+                {"dwells": {1: HUGE}},
+                {"segment_limits": {HUGE: None}},
+                {"waypoints": [[0, 0], [HUGE, 1]]},
+                {"duration_bounds": (0, HUGE)},
+            )
+        ),
     ],
 )
 def test_a_part_of_another_kind_is_refused_with_one_sentence(changes, sentence):

@@ -16,6 +16,9 @@ from study.io.text import read_text
 MOST_STANDING = 1_000_000
 """Values that a YAML document may hold, and that all its aliases may stand for together; a million take half a gigabyte."""
 
+MOST_BITS = 14_000
+"""Size of a whole number that is read: Python writes out none of more than 4,300 digits, so that no sentence could name it."""
+
 DEEPEST = 100
 """Levels of lists and mappings in one another that are read."""
 
@@ -164,6 +167,16 @@ def _loader() -> Any:
                 )
             return mapping
 
+    def whole_number(loader: Any, node: Any) -> int:
+        value: int = loader.construct_yaml_int(node)
+        if value.bit_length() > MOST_BITS:
+            line = node.start_mark.line + 1
+            raise ValueError(
+                f"the whole number at line {line} has thousands of digits; write one that a float can hold"
+            )
+        return value
+
+    Loader.add_constructor("tag:yaml.org,2002:int", whole_number)
     Loader.add_constructor("!degrees", lambda loader, node: math.radians(float(loader.construct_scalar(node))))
     Loader.add_constructor("!radians", lambda loader, node: float(loader.construct_scalar(node)))
     return Loader

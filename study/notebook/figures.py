@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from study.errors import StudyError, unknown
+from study.errors import StudyError, short, unknown
 from study.problem import Floats, JointLimits, Problem
 from study.report.plot_style import sample_times
 from study.trajectory import Motion
@@ -115,7 +115,7 @@ def _place(problem: Problem, joint: str | int) -> int:
             raise unknown("joint", joint, names)
         return names.index(joint)
     if isinstance(joint, bool) or not isinstance(joint, int | np.integer) or not 0 <= joint < len(names):
-        raise StudyError(f"a joint is a name or a place from 0 to {len(names) - 1}, got {joint!r}")
+        raise StudyError(f"a joint is a name or a place from 0 to {len(names) - 1}, got {short(joint)}")
     return int(joint)
 
 

@@ -9,7 +9,7 @@ from cmaes import CMA
 from study.problem import Floats
 
 
-class QuickCMA(CMA):
+class QuickCMA(CMA):  # type: ignore[misc]  # the package has no types
     """CMA-ES that scales the eigenvectors once a generation, where the package multiplies two matrices for every sample.
 
     With 199 dimensions and most samples outside of the box, each drawn up to 100 times, that product is nearly all of its time.

@@ -125,7 +125,7 @@ def test_without_a_wish_there_are_neither_two_samples_nor_a_million(duration, ra
     [
         ("m.mat", 100, "must end in one of .csv, .yaml"),
         ("m.csv", 0, "samples per second, must be a positive number, got 0"),
-        ("m.csv", np.nan, "is not a number"),
+        ("m.csv", np.nan, "must be a positive number, got nan"),
         ("m.csv", 1e12, "lower the rate"),
     ],
 )

@@ -93,6 +93,11 @@ def test_a_spreadsheet_takes_no_name_for_a_formula():
         "not a number in JSON": ("a.json", '{"a": NaN}', "NaN is no number"),
         "deep JSON": ("a.json", "[" * 100_000, "nested too deeply"),
         "deep YAML": ("a.yaml", "[" * (DEEPEST + 2) + "]" * (DEEPEST + 2), "nested too deeply"),
+        "a number of thousands of digits": (
+            "a.yaml",
+            "a:\n- 0x" + "F" * 5000,
+            "the whole number at line 2 has thousands of digits",
+        ),
         "digits": ("a.json", "1" * 5000, "cannot be read"),
         "digits in YAML": ("a.yaml", "a: " + "1" * 5000, "cannot be read"),
         "bomb": (
