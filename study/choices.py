@@ -7,6 +7,7 @@ from enum import StrEnum
 from functools import cache
 from typing import get_type_hints
 
+from study.arrays import of_kind
 from study.errors import unknown
 
 
@@ -23,7 +24,7 @@ class Choice(StrEnum):
             Naming the kind of option and its known names.
         """
         kind = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", cls.__name__).lower()
-        raise unknown(kind, str(value), [str(member) for member in cls])
+        raise unknown(kind, value, [str(member) for member in cls])
 
 
 class Options:
@@ -38,7 +39,7 @@ class Options:
     def __post_init__(self) -> None:
         own: type = self.__class__
         for name, kind in _choices(own).items():
-            object.__setattr__(self, name, kind(getattr(self, name)))
+            object.__setattr__(self, name, kind(of_kind(getattr(self, name), str, name)))
 
 
 @cache

@@ -55,12 +55,13 @@ def in_words_of(error: StudyError, names: Sequence[str], units: Sequence[str], f
     return sentence.format(*said, joint=name if name == f"joint {joint + 1}" else f"joint {name!r}")
 
 
-def unknown(kind: str, name: str, known: Iterable[str]) -> StudyError:
+def unknown(kind: str, name: object, known: Iterable[str]) -> StudyError:
     """Build the error for a name that is not in a list, with the nearest names as a hint."""
     names = sorted(known)
-    near = difflib.get_close_matches(name, names, n=1, cutoff=0.4)
+    near = difflib.get_close_matches(name, names, n=1, cutoff=0.4) if isinstance(name, str) else []
     hint = f"; did you mean {near[0]!r}?" if near else ";"
-    return StudyError(f"no {kind} {name!r}{hint} known: {', '.join(names) or 'none'}")
+    said = repr(name) if isinstance(name, str) else short(name)
+    return StudyError(f"no {kind} {said}{hint} known: {', '.join(names) or 'none'}")
 
 
 def unforeseen(error: BaseException) -> str:

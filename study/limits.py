@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from study.arrays import Floats, frozen_array, positive
+from study.arrays import Floats, at_least_zero, frozen_array, index_in, positive
 from study.errors import StudyError, joint_error
 
 RATES = ("velocity", "acceleration", "jerk")
@@ -124,7 +124,7 @@ class JointLimits:
 
     def joint(self, index: int) -> JointLimits:
         """Limits of one joint alone."""
-        pick = slice(index, index + 1)
+        pick = slice(index_in(index, range(self.n_joints), "joint"), index + 1)
         given = {name: getattr(self, name) for name in self.__dataclass_fields__}
         return replace(self, **{name: limits[pick] for name, limits in given.items() if limits is not None})
 
@@ -132,15 +132,22 @@ class JointLimits:
         """Limits under which every motion takes exactly `factor` times as long: divided by factor, its square, its cube."""
         factor, changes = positive(factor, "the factor on all times"), {}
         for order, name in enumerate(RATES, start=1):
-            changes[name] = getattr(self, name) / factor**order
-            if (least := getattr(self, f"min_{name}")) is not None:
-                changes[f"min_{name}"] = least / factor**order
+            for each in (name, f"min_{name}"):
+                if (limit := getattr(self, each)) is not None:
+                    with np.errstate(over="ignore", divide="ignore", under="ignore", invalid="ignore"):
+                        changes[each] = limit / np.float64(factor) ** order
+                    if not np.isfinite(changes[each][np.isfinite(limit)]).all() or not changes[each].all():
+                        raise StudyError(
+                            f"a factor of {factor:g} on all times leaves no {name} limits that numbers can hold"
+                        )
         return replace(self, **changes)
 
     def widened(self, share: float) -> JointLimits:
         """Limits whose rates are wider by a share of themselves; ranges of positions stay."""
+        at_least_zero(share, "the share by which limits are wider")
         given = {name: getattr(self, name) for name in (*RATES, *(f"min_{rate}" for rate in RATES))}
-        return replace(self, **{name: rate * (1.0 + share) for name, rate in given.items() if rate is not None})
+        with np.errstate(over="ignore"):  # a limit that no number can hold is none
+            return replace(self, **{name: rate * (1.0 + share) for name, rate in given.items() if rate is not None})
 
 
 def usual_bounds(waypoints: Floats, limits: JointLimits) -> tuple[float, float]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from study.arrays import Floats, frozen_array, positive
-from study.errors import StudyError, joint_error
+from study.errors import StudyError, joint_error, listed, short
 from study.limits import OPTIONAL, RATES, JointLimits
 
 
@@ -20,6 +20,17 @@ class EndCondition(Enum):
     FREE = "may start and end in motion"
     REST = "starts and ends at rest"
     SMOOTH = "starts and ends at rest with zero acceleration"
+
+    @classmethod
+    def _missing_(cls, value: object) -> None:
+        """Refuse anything else.
+
+        Raises
+        ------
+        StudyError
+            Naming the conditions.
+        """
+        raise StudyError(f"an end condition is {listed([str(each) for each in cls])}, got {short(value)}")
 
 
 @dataclass(frozen=True, eq=False)

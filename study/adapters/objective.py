@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
+from study.arrays import of_kind, whole
 from study.cases.library import Case, load_case
 from study.cases.records import ProblemRecords, records_of
 from study.cases.suite_file import filed_suites
@@ -43,9 +44,7 @@ class Instance:
     @classmethod
     def of(cls, number: int, lower: Floats, upper: Floats) -> Instance:
         """Draw an instance for a box."""
-        if number < 0:
-            raise StudyError(f"an instance is a number from 0 on, got {number}")
-        if number == 0:
+        if whole(number, 0, "the number of an instance") == 0:
             return cls(0, np.zeros(len(lower), dtype=bool), np.zeros(len(lower)))
         rng = np.random.default_rng([number, len(lower)])
         return cls(number, rng.random(len(lower)) < 0.5, rng.uniform(-1.0, 1.0, len(lower)) * (upper - lower))
@@ -76,7 +75,8 @@ class DurationObjective:
     """
 
     def __init__(self, case: Case, formulation: Formulation | str = Formulation.SCALED, instance: int = 0) -> None:
-        problem, self.case, self.formulation = case.problem, case, Formulation(formulation)
+        self.case, self.formulation = of_kind(case, Case, "case"), Formulation(of_kind(formulation, str, "formulation"))
+        problem = case.problem
         self._value = objective_of(self.formulation, problem, curve_named(case.curve))
         self._low, self._high = (np.full(problem.n_segments, bound) for bound in problem.duration_bounds)
         self.instance = Instance.of(instance, self._low, self._high)
@@ -107,17 +107,17 @@ class DurationObjective:
 
     def durations(self, points: ArrayLike) -> Floats:
         """Durations that points of this instance stand for, s, of the same shape."""
-        inside = np.asarray(points, dtype=float) - self.instance.shift
+        inside = _numbers(points) - self.instance.shift
         return np.where(self.instance.mirrored, self._low + self._high - inside, inside)
 
     def point(self, durations: ArrayLike) -> Floats:
         """Points of this instance that stand for durations: the inverse of `durations`."""
-        given = np.asarray(durations, dtype=float)
+        given = _numbers(durations)
         return np.where(self.instance.mirrored, self._low + self._high - given, given) + self.instance.shift
 
     def __call__(self, points: ArrayLike) -> float | Floats:
         """Evaluate one point or a population."""
-        array = np.asarray(points, dtype=float)
+        array = _numbers(points)
         rows = np.atleast_2d(array)
         if array.ndim not in (1, 2) or rows.shape[1] != self.n_dimensions:
             raise StudyError(f"{self.name}: points must have {self.n_dimensions} coordinates, got shape {array.shape}")
@@ -158,8 +158,17 @@ def objective(
     return DurationObjective(load_case(case) if isinstance(case, str) else case, formulation, instance)
 
 
+def _numbers(values: ArrayLike) -> Floats:
+    """Take coordinates, NaN among them: searches come to such points, and their value is infinite."""
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise StudyError(f"points must be made of numbers: {error}") from None
+
+
 def suite(instances: int = 3, name: str = PAPERS) -> Iterator[DurationObjective]:
     """Go through the problems of a suite and the first instances; of the papers' cases both formulations, else `scaled`."""
+    whole(instances, 1, "the number of instances")
     for case in suite_named(name).cases.values():
         for formulation in Formulation if name == PAPERS else (Formulation.SCALED,):
             for instance in range(instances):

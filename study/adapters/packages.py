@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from study.adapters.objective import DurationObjective
+from study.arrays import of_kind
 from study.errors import StudyError
 from study.problem import Floats
 
@@ -21,6 +22,7 @@ def pymoo_problem(objective: DurationObjective) -> Any:
     StudyError
         If pymoo is not installed.
     """
+    of_kind(objective, DurationObjective, "objective")
     try:
         from pymoo.core.problem import Problem
     except ModuleNotFoundError:
@@ -44,6 +46,7 @@ def mealpy_problem(objective: DurationObjective) -> dict[str, Any]:
     StudyError
         If mealpy is not installed.
     """
+    of_kind(objective, DurationObjective, "objective")
     try:
         from mealpy import FloatVar
     except ModuleNotFoundError:
@@ -119,4 +122,4 @@ class IohCallable:
 
 def ioh_callable(objective: DurationObjective) -> IohCallable:
     """Wrap an objective as a callable in the manner of IOHexperimenter."""
-    return IohCallable(objective)
+    return IohCallable(of_kind(objective, DurationObjective, "objective"))

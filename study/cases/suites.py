@@ -51,10 +51,10 @@ def suite_named(name: str) -> Suite:
     StudyError
         If there is none of this name, or its data are broken.
     """
+    if not isinstance(name, str) or name not in suite_names():
+        raise unknown("suite", name, suite_names())
     if name == PAPERS:
         return _papers()
-    if name not in filed_suites():
-        raise unknown("suite", name, suite_names())
     file = filed_suite(name)
     problems = {f"{name}:{problem.name}": problem for problem in file.problems}
     cases = {key: problem.case(name) for key, problem in problems.items()}

@@ -131,6 +131,6 @@ def curve_named(name: str) -> Curve:
     StudyError
         If there is no such family.
     """
-    if name not in CURVES:
+    if not isinstance(name, str) or name not in CURVES:
         raise unknown("curve", name, CURVES)
     return CURVES[name]

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from study.errors import StudyError
+from study.files import named
 from study.io.arrays_file import floats, load_arrays
 from study.io.documents import parsed
 from study.parametric import ParametricTrajectory
@@ -51,7 +52,7 @@ def exact_text(motion: Motion, problem: Problem) -> str:
     raise StudyError(f"a motion of type {type(motion).__name__} has no exact form here; write samples instead")
 
 
-def read_exact(path: Path) -> Trajectory | ParametricTrajectory:
+def read_exact(path: str | Path) -> Trajectory | ParametricTrajectory:
     """Read an exact motion back.
 
     Raises
@@ -59,6 +60,7 @@ def read_exact(path: Path) -> Trajectory | ParametricTrajectory:
     StudyError
         If the file cannot be read, is of another format or its numbers make no motion.
     """
+    path = named(path)
     content = _archive(path) if path.suffix.lower() == ".npz" else _content(path)
     kind = content.get("kind")
     if content.get("format") != FORMAT or not isinstance(kind, str) or kind not in KINDS:

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from study.errors import StudyError
+from study.files import named
 from study.io.documents import parsed
 from study.io.one_joint import RATES, OneJoint, tightened
 from study.io.table import number
@@ -66,12 +67,12 @@ class LimitFile:
     notes: tuple[str, ...] = ()
 
 
-def read_limits(*paths: Path) -> LimitFile:
+def read_limits(*paths: str | Path) -> LimitFile:
     """Read limits of joints by name; what a later file says wins.
 
     Parameters
     ----------
-    *paths : Path
+    *paths : str or Path
         `.urdf`, `.xml` or `.xacro`: a robot description; else MoveIt's `joint_limits.yaml` or franka_description's, at
         whatever depth the joints stand, or the same as JSON.
 
@@ -81,7 +82,8 @@ def read_limits(*paths: Path) -> LimitFile:
         If a file cannot be read, holds no limits, or a limit is not a number or makes no sense.
     """
     joints, mimics, notes = dict[str, OneJoint](), dict[str, Mimic](), list[str]()
-    for path in paths:
+    files = [named(path) for path in paths]
+    for path in files:
         said = _from_urdf(path, mimics, notes) if path.suffix.lower() in XML else _from_document(path, notes)
         joints |= {name: joint.over(joints.get(name, OneJoint())) for name, joint in said.items()}
     followers = {}
@@ -102,7 +104,7 @@ def read_limits(*paths: Path) -> LimitFile:
         joints[master] = after = tightened(before, joints[name], multiplier, offset)
         if after.lower is not None and after.upper is not None and after.lower >= after.upper:
             raise StudyError(
-                f"joint {name!r} follows {master!r}, but their ranges in {_named(paths)} leave no room for both"
+                f"joint {name!r} follows {master!r}, but their ranges in {_named(files)} leave no room for both"
             )
         notes.append(
             f"joint {name!r} follows {master!r}" + (" and tightens its limits" if joints[master] != before else "")

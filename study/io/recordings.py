@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from study.errors import StudyError
+from study.files import named
 from study.io.arrays_file import POSITIONS, samples_from_arrays, samples_from_numpy, samples_from_parquet
 from study.io.columns import sampled_columns
 from study.io.csv_file import samples_from_csv
@@ -29,12 +30,12 @@ MESSAGE = re.compile(r"^(header|name|joint_names|position|points|- header|goal|t
 """Line of a message that was printed into a file of text."""
 
 
-def read_samples(path: Path) -> Samples:
+def read_samples(path: str | Path) -> Samples:
     """Read joint positions, and times and rates where the file has them.
 
     Parameters
     ----------
-    path : Path
+    path : str or Path
         `.csv`, `.tsv`, `.txt`: a table with or without header; `.yaml`, `.yml`, `.json`, `.jsonl`, and `.txt` that a tool printed:
         rows, columns by name, a `trajectory_msgs/JointTrajectory` or `sensor_msgs/JointState`s at any depth; `.npy`, `.npz`: arrays; `.parquet`: a table
         or a LeRobot episode; `.bag`, `.db3`, `.mcap`: a ROS bag; `.srdf#NAME,NAME`: group states of MoveIt.
@@ -44,6 +45,7 @@ def read_samples(path: Path) -> Samples:
     StudyError
         If the file cannot be read, holds no table of numbers, or its times go back.
     """
+    path = named(path)
     samples, where = _read(path), f"file {path.name!r}"
     times = np.zeros(1) if samples.times is None else samples.times
     late = np.flatnonzero(np.diff(times) < 0)

@@ -80,7 +80,7 @@ def test_wrong_shapes_and_names_are_one_sentence():
         objective("puma560")(np.ones(4))
     with pytest.raises(StudyError, match="no formulation 'scalled'; did you mean 'scaled'"):
         objective("puma560", "scalled")
-    with pytest.raises(StudyError, match="from 0 on"):
+    with pytest.raises(StudyError, match="at least 0"):
         objective("puma560", instance=-1)
 
 
