@@ -14,6 +14,9 @@ from study.io.samples import Samples
 
 KINDS = ("trajectory_msgs/msg/JointTrajectory", "sensor_msgs/msg/JointState", "moveit_msgs/msg/DisplayTrajectory")
 
+MOST_MESSAGES = 500_000
+"""Messages of one topic that are read; each takes two kilobytes of memory until their rows are taken together."""
+
 
 def samples_from_bag(path: Path) -> Samples:
     """Read the joint states or trajectories of a bag: a folder of ROS 2, or a file `.bag` of ROS 1.
@@ -39,6 +42,11 @@ def samples_from_bag(path: Path) -> Samples:
                 if len({connection.topic for connection in topics}) > 1:
                     names = ", ".join(sorted({connection.topic for connection in topics}))
                     raise StudyError(f"{where} holds several topics of {kind} ({names}); keep one of them in the bag")
+                if (number := sum(connection.msgcount for connection in topics)) > MOST_MESSAGES:
+                    raise StudyError(
+                        f"{where} cannot be read: it holds {number:,} messages of {kind}, and at most {MOST_MESSAGES:,} are read; "
+                        "cut the part out that is wanted"
+                    )
                 messages = [
                     _plain(reader.deserialize(raw, connection.msgtype))
                     for connection, _, raw in reader.messages(connections=topics)

@@ -71,6 +71,12 @@ def test_a_plan_in_a_bag_comes_before_states_and_two_topics_are_refused(tmp_path
         read_samples(bag(tmp_path / "none", {}))
 
 
+def test_a_bag_of_more_messages_than_memory_holds_is_refused_with_their_number(tmp_path, monkeypatch):
+    monkeypatch.setattr("study.io.rosbag.MOST_MESSAGES", 2)
+    with pytest.raises(StudyError, match="holds 3 messages of sensor_msgs/msg/JointState, and at most 2 are read; cut"):
+        read_samples(bag(tmp_path / "run", {"/joint_states": (["left", "right"], ROWS)}))
+
+
 def test_a_bag_is_planned_like_any_recording(tmp_path):
     bag(tmp_path / "run", {"/joint_states": (["left", "right"], ROWS)})
     case = own_case(
