@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from study import polynomial
 from study.arrays import positive, row
 from study.errors import StudyError
+from study.motion_arguments import affine, chosen, derivative, instants, window
 from study.problem import Floats, frozen_array
-from study.trajectory import Extrema, affine, chosen, derivative, instants, window
+from study.trajectory import Extrema
 
 
 @dataclass(frozen=True, eq=False)
