@@ -1,4 +1,4 @@
-"""What the methods of every motion are given: read, or refused with one sentence."""
+"""Arguments of the methods of every motion, read or refused with one sentence."""
 
 from __future__ import annotations
 

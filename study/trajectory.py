@@ -135,7 +135,7 @@ class Trajectory:
         counts = frozen_array(pieces_per_segment, "pieces of a segment")
         if counts.ndim == 0 and counts > 0:
             counts = np.full(int((len(knots) - 1) // counts), counts)
-        if counts.ndim != 1 or (counts < 1).any() or (counts % 1).any() or counts.sum() != len(knots) - 1:
+        if counts.ndim != 1 or (counts < 0).any() or (counts % 1).any() or counts.sum() != len(knots) - 1:
             raise StudyError(f"whole numbers of pieces of the segments must add up to all {len(knots) - 1} pieces")
         marks = np.concatenate([[0], np.cumsum(counts.astype(int))])
         return cls(knots, coefficients, knots[marks])

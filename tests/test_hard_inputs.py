@@ -188,7 +188,7 @@ def test_the_command_prints_a_count_for_every_planner(study_command):
 def test_a_planner_that_crashes_is_counted_and_ends_with_3(study_command, stubs):
     ended = study_command("torture", "--problems", 1, "--planners", "stub-raise,stub-crash", "--jobs", 1)
     assert ended.returncode == 3, ended.stderr
-    assert "IndexError" in ended.stdout
+    assert "KeyError" in ended.stdout
     assert ended.stdout.count("crash: stub-") == 2
 
 

@@ -43,7 +43,7 @@ def test_many_problems_come_back_in_their_order():
     here = plan_many(problems, "fast")
     assert [planned.problem.name for planned in here] == ["p0", "p1", "p2"]
     assert here[0].duration == plan(problems[0], "fast").duration < here[1].duration < here[2].duration
-    with pytest.raises(StudyError, match="at least one job"):
+    with pytest.raises(StudyError, match="jobs must be a whole number of at least 1"):
         plan_many(problems, jobs=0)
 
 

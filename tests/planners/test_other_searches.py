@@ -85,7 +85,7 @@ def test_planners_that_call_themselves_deterministic_are(planner):
     assert len(totals) == 1
 
 
-@pytest.mark.parametrize("name", ["LBFGSB_PLANNER", "SCIPY_DE", "CMA_ES"])
+@pytest.mark.parametrize("name", [pytest.param("LBFGSB_PLANNER", marks=pytest.mark.slow), "SCIPY_DE", "CMA_ES"])
 def test_strong_searches_reach_the_reference(name):
     planner = getattr(other_searches, name)
     settings = RunSettings("cubic-spline", evaluations=6000, population=30, formulation="scaled")

@@ -20,7 +20,7 @@ from study.testing import NonconformingError, check_bound, check_planner, check_
 from study.testing.stress import problem_number, reference_planners
 
 SLOW = {
-    *("any-motion-bound", "bspline-nlp", "certified", "free-path-nlp"),
+    *("any-motion-bound", "bspline-nlp", "certified", "free-path-first", "free-path-nlp"),
     *("quintic-nlp", "ruckig-via", "straight", "topp3-nlp"),
 }
 """Planners and bounds too slow for the fast tests."""
