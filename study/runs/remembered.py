@@ -45,7 +45,7 @@ def remembered_lineup(path: Path) -> tuple[list[Cell], dict[str, str]]:
         noted = store.noted(LINEUP) or NOTHING
     try:
         cells = [
-            Cell(str(case), str(planner), str(label), settings_from(settings, int(seed)))
+            Cell(str(case), str(planner), str(label), settings_from(settings, seed))
             for case, planner, label, settings, seeds in noted["cells"]
             for seed in seeds
         ]

@@ -308,7 +308,17 @@ def test_the_lineup_of_the_last_run_is_remembered(path, open_store, cells):
 
 
 @pytest.mark.parametrize(
-    "content", [{}, {"cells": [[1]], "sources": {}}, [1], {"cells": [["c", "p", "l", "{", [1]]], "sources": {}}]
+    "content",
+    [
+        {},
+        {"cells": [[1]], "sources": {}},
+        [1],
+        {"cells": [["c", "p", "l", "{", [1]]], "sources": {}},
+        *(
+            {"cells": [["c", "p", "l", '{"curve": "bspline"}', [seed]]], "sources": {}}
+            for seed in (np.inf, -1, 1.5, 2**70, "1")
+        ),
+    ],
 )
 def test_a_lineup_that_cannot_be_read_is_one_sentence(path, open_store, content):
     with open_store() as store:
