@@ -167,13 +167,22 @@ def _loader() -> Any:
                 )
             return mapping
 
+        def construct_object(self, node: Any, deep: bool = False) -> Any:
+            try:
+                return super().construct_object(node, deep)
+            except (ValueError, LookupError, AttributeError, TypeError, OverflowError):
+                if not isinstance(node, yaml.ScalarNode):
+                    raise
+                kind = node.tag.rpartition(":")[2].strip("!")
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"{node.value[:40]!r} cannot be read as {kind}", node.start_mark
+                ) from None
+
     def whole_number(loader: Any, node: Any) -> int:
         value: int = loader.construct_yaml_int(node)
         if value.bit_length() > MOST_BITS:
-            line = node.start_mark.line + 1
-            raise ValueError(
-                f"the whole number at line {line} has thousands of digits; write one that a float can hold"
-            )
+            reason = "a whole number has thousands of digits; write one that a float can hold"
+            raise yaml.constructor.ConstructorError(None, None, reason, node.start_mark)
         return value
 
     Loader.add_constructor("tag:yaml.org,2002:int", whole_number)

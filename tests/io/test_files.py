@@ -96,7 +96,7 @@ def test_a_spreadsheet_takes_no_name_for_a_formula():
         "a number of thousands of digits": (
             "a.yaml",
             "a:\n- 0x" + "F" * 5000,
-            "the whole number at line 2 has thousands of digits",
+            "at line 2: a whole number has thousands of digits",
         ),
         "digits": ("a.json", "1" * 5000, "cannot be read"),
         "digits in YAML": ("a.yaml", "a: " + "1" * 5000, "cannot be read"),
@@ -107,6 +107,17 @@ def test_a_spreadsheet_takes_no_name_for_a_formula():
             "stands for too many values",
         ),
         "tag": ("a.yaml", "a: !!python/object:os.system {}\n", "could not determine a constructor"),
+        **{
+            f"tag on {text}": ("a.yaml", f"a:\n- {text}\n", f"is not valid YAML at line 2: {said}")
+            for text, said in {
+                "!!float ''": "'' cannot be read as float",
+                "!!int +": "'+' cannot be read as int",
+                "!!bool maybe": "'maybe' cannot be read as bool",
+                "!!timestamp x": "'x' cannot be read as timestamp",
+                "!degrees x": "'x' cannot be read as degrees",
+                "2020-99-99": "'2020-99-99' cannot be read as timestamp",
+            }.items()
+        },
         "two documents": ("a.yaml", "a: 1\n---\nb: 2\n", "holds 2 documents"),
     }.values(),
 )
