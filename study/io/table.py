@@ -42,7 +42,8 @@ def numbers(rows: Sequence[Sequence[Any]], places: Sequence[str]) -> Floats:
     """
     plain = {str} if isinstance(rows[0][0], str) else {float, int}
     if all(type(value) in plain for row in rows for value in row):
-        with suppress(ValueError, OverflowError):  # then one by one, which knows decimal commas and names the place
+        # One by one where this fails, which knows decimal commas and names the place.
+        with suppress(ValueError, OverflowError), np.errstate(over="ignore"):
             values = np.array(rows, dtype=str if plain == {str} else float).astype(float)
             if np.isfinite(values).all():
                 return values

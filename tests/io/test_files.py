@@ -140,6 +140,7 @@ def test_documents_that_are_read(tmp_path):
     [
         b'time,a\n0,"' + b"1" * 200_000 + b'"\n1,2\n',
         b"time,a\n0,1e400\n1,2\n",
+        b"time\ta\n0\t524289e319\n1\t.5\n",
         "a,b\n1,\ud7ff\n".encode("utf-16"),
     ],
 )
