@@ -18,6 +18,7 @@ from study.curves import curve_named
 from study.datafiles import Strict, checked, data_folder, read_yaml
 from study.errors import StudyError
 from study.formulation import objective_of
+from study.io.arrays_file import floats
 from study.planning import Formulation, Freedom
 from study.problem import Floats
 
@@ -161,7 +162,7 @@ def objective(
 def _numbers(values: ArrayLike) -> Floats:
     """Take coordinates, NaN among them: searches come to such points, and their value is infinite."""
     try:
-        return np.asarray(values, dtype=float)
+        return floats(values)
     except (TypeError, ValueError, OverflowError) as error:
         raise StudyError(f"points must be made of numbers: {error}") from None
 
