@@ -56,13 +56,13 @@ def test_each_limit_in_turn(limits, end):
     assert found.stretch < 1.001
 
 
-@pytest.mark.parametrize("pieces", [(2, 4), pytest.param((4, 8), marks=pytest.mark.slow)])
-def test_more_pieces_and_looser_ends_are_faster(pieces):
+@pytest.mark.parametrize(("pieces", "room"), [((2, 4), 0.0), pytest.param((4, 8), 1e-4, marks=pytest.mark.slow)])
+def test_more_pieces_and_looser_ends_are_faster(pieces, room):
     durations = {
         end: [free_path(small(EACH_LIMIT["all"], end), n).motion.duration for n in pieces] for end in EndCondition
     }
     for fewer, more in durations.values():
-        assert fewer > more * (1 - 1e-4)
+        assert fewer > more * (1 - room)
     smooth, rest, free = (durations[end][-1] for end in (EndCondition.SMOOTH, EndCondition.REST, EndCondition.FREE))
     assert smooth > rest > free
 
