@@ -35,7 +35,7 @@ def accelerations(waypoints: Floats, durations: Floats) -> Floats:
 
 
 def swept(off: Floats, diagonal: Floats, right: Floats) -> Floats:
-    """Solve symmetric tridiagonal systems of all candidates by elimination; `diagonal` and `right` are used up.
+    """Solve symmetric tridiagonal systems of all candidates by elimination, with the candidates side by side in memory.
 
     Parameters
     ----------
@@ -48,15 +48,16 @@ def swept(off: Floats, diagonal: Floats, right: Floats) -> Floats:
     -------
     array of shape (n_candidates, n, n_joints)
     """
-    last = diagonal.shape[1] - 1
-    for i in range(last):
-        factor = off[:, i] / diagonal[:, i]
-        diagonal[:, i + 1] -= factor * off[:, i]
-        right[:, i + 1] -= factor * right[:, i]
-    result = right / diagonal
-    for i in reversed(range(last)):
-        result[:, i] -= off[:, i] / diagonal[:, i] * result[:, i + 1]
-    return result
+    beside, pivots, result = (np.moveaxis(part, 0, -1).copy() for part in (off, diagonal, right))
+    factors = np.empty_like(beside)
+    for i in range(len(beside)):
+        np.divide(beside[i], pivots[i], out=factors[i])
+        pivots[i + 1] -= factors[i] * beside[i]
+        result[i + 1] -= factors[i] * result[i]
+    result /= pivots
+    for i in reversed(range(len(beside))):
+        result[i] -= factors[i] * result[i + 1]
+    return np.moveaxis(result, -1, 0).copy()
 
 
 def unit_coefficients(waypoints: Floats, durations: Floats) -> Floats:
