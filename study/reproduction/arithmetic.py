@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 
 from study.cases.printed import Cell
+from study.problem import Floats
 from study.reproduction import forensics
 from study.reproduction.forensics import Finding, Summary
 from study.reproduction.rules import digits, half_unit
@@ -16,6 +17,9 @@ from study.testfunctions import Benchmark
 
 MONOTONE = {"sphere", "schwefel-222", "schwefel-221", "step", "step-without-floor", "quartic"}
 """Functions whose largest value in a symmetric box lies in its upper corner."""
+
+STAIRS = 1e-9
+"""Steps of a function that are wider are its own and no rounding."""
 
 
 @dataclass(frozen=True)
@@ -32,23 +36,41 @@ class Statistics:
 def grain(function: Benchmark) -> float:
     """Smallest value above a least value of 0 that double precision shows; 0 where there is none above 1e-200.
 
-    The function is evaluated ever nearer to its minimiser, with all coordinates moved and with one alone, down to the
-    neighbouring doubles. What is gathered is an upper estimate, so the checks allow for a tenth of it.
+    What is gathered is an upper estimate, so the checks allow for a tenth of it.
     """
     if function.minimiser is None or function.minimum != 0.0:
         return 0.0
+    values = _near(function.minimiser, function)
+    least = 0.1 * float(values[values > 0].min())
+    return least if least > 1e-200 else 0.0
+
+
+@cache
+def rounding(function: Benchmark) -> float:
+    """Smallest difference above a function's least value in double precision, where arithmetic makes it: 0 elsewhere.
+
+    Ackley's function is a difference of terms of about 20, so that near 0 it takes multiples of 3.6e-15 alone, and which
+    of them depends on the last digit of the processor's exponential function: what is closer is the same. A staircase
+    has steps of its own, wider than `STAIRS`.
+    """
+    if function.minimiser is None:
+        return 0.0
+    steps = np.diff(np.unique(_near(function.minimiser, function)))[:1]
+    return float(steps[(steps > 1e-200) & (steps < STAIRS)].sum())
+
+
+def _near(minimiser: Floats, function: Benchmark) -> Floats:
+    """Values of a function ever nearer to its minimiser, with all coordinates moved and with one alone, down to the next doubles."""
     n = function.n_dimensions
     scales = 10.0 ** -np.arange(0.0, 300.0, 0.25)[:, None]
     shapes = [
         *np.random.default_rng(0).standard_normal((4, n)),
         *(side * np.eye(n)[k] for k in {0, n // 2, n - 1} for side in (-1, 1)),
     ]
-    near = np.concatenate([function.minimiser + scales * shape for shape in shapes])
+    near = np.concatenate([minimiser + scales * shape for shape in shapes])
     alone = np.eye(n, dtype=bool)
-    ulps = [np.where(alone, np.nextafter(function.minimiser, way), function.minimiser) for way in (-np.inf, np.inf)]
-    values = function.formula(np.concatenate([near, *ulps]))
-    least = 0.1 * float(values[values > 0].min())
-    return least if least > 1e-200 else 0.0
+    ulps = [np.where(alone, np.nextafter(minimiser, way), minimiser) for way in (-np.inf, np.inf)]
+    return function.formula(np.concatenate([near, *ulps]))
 
 
 def largest(function: Benchmark) -> float | None:
@@ -117,7 +139,7 @@ def _std_bound(cells: Statistics, runs: int, least: float, name: str) -> Finding
 
 
 def _finer(above: float, step: float) -> Finding | None:
-    """Check a single value, not a mean: it is the least value or at least one step above it."""
+    """Check a single value, not a mean: it is the least value or at least one grain above it."""
     if above <= 0.0 or above >= step:
         return None
     return Finding("granularity", f"value - f* = {above:g} is 0 or >= the function's smallest step {step:.4g} fails")

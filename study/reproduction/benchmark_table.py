@@ -176,7 +176,7 @@ class BenchmarkTable:
         function = job.benchmark
         least = 0.0 if role is Statistic.STD or function.minimum is None else function.minimum
         finals = self.runs[job]["finals"]
-        return rules.stochastic(cell.printed, finals, role, RUNS, least, arithmetic.grain(function))
+        return rules.stochastic(cell.printed, finals, role, RUNS, least, arithmetic.rounding(function))
 
     def tallies(self) -> list[Tally]:
         """Agreement of every reading of every column with the printed cells."""

@@ -85,7 +85,7 @@ def same_order(printed: float, ours: float, zero: float = ZERO) -> bool:
 
 
 def stochastic(
-    text: str, finals: Sequence[float], statistic: Statistic, runs: int, least: float = 0.0, grain: float = 0.0
+    text: str, finals: Sequence[float], statistic: Statistic, runs: int, least: float = 0.0, rounding: float = 0.0
 ) -> Ruling:
     """Compare a statistic of random runs, smaller being better.
 
@@ -100,26 +100,27 @@ def stochastic(
         Runs behind the print.
     least : float
         The least value possible, from which both are measured; 0 for a standard deviation.
-    grain : float
-        Smallest step of the function near its least value in double precision: nothing below it is told from zero.
+    rounding : float
+        Smallest step of the function near its least value in double precision: numbers that are closer are the same.
     """
     printed = value_of(text)
-    slack = half_unit(text) if printed else 0.0  # a printed zero is taken as exact
-    zero = max(ZERO, grain, slack if least else 0.0)
+    slack = rounding + (half_unit(text) if printed else 0.0)  # a printed zero is taken as exact
+    zero = max(ZERO, slack)
     ours = statistic.of(finals)
     low, high = np.quantile(resampled(finals, statistic, runs), (0.025, 0.975))
     theirs_above, ours_above = max(printed - least, 0.0), max(ours - least, 0.0)
     tiny = max(theirs_above, ours_above) <= zero
-    near = tiny or same_order(theirs_above, ours_above, zero) or abs(ours - printed) <= slack
+    same = abs(ours - printed) <= slack
+    near = tiny or same or same_order(theirs_above, ours_above, zero)
     inside = tiny or low - slack <= printed <= high + slack
     spread = f"{alike(text, float(low))} to {alike(text, float(high))}"
     if near:
         outcome = Outcome.REPRODUCED if inside else Outcome.SAME_ORDER
-        why = (
-            f"both {'at the least value' if least else 'numerically zero'}"
-            if tiny
-            else f"95 % of such statistics of {runs} runs: {spread}"
-        )
+        why = f"95 % of such statistics of {runs} runs: {spread}"
+        if tiny:
+            why = f"both {'at the least value' if least else 'numerically zero'}"
+        elif same and rounding and not low <= printed <= high:
+            why = f"closer than the function's values lie in double precision, {rounding:.2g}; {why}"
         return Ruling(outcome, alike(text, ours), why, True, spread=spread)
     ratio = math.inf if theirs_above <= 0 else ours_above / theirs_above
     outcome = Outcome.BETTER if ours_above < theirs_above else Outcome.WORSE

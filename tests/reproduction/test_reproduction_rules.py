@@ -11,7 +11,7 @@ from study.cases.printed import Cell, parsed
 from study.cases.published import tables
 from study.errors import StudyError
 from study.reproduction import rules, uniformity
-from study.reproduction.arithmetic import Statistics, examine, grain, largest, outside_extremes
+from study.reproduction.arithmetic import Statistics, examine, grain, largest, outside_extremes, rounding
 from study.reproduction.benchmark_table import RUNS, BenchmarkTable
 from study.reproduction.duration_rows import Row, added_up, infeasible, rule
 from study.reproduction.effort import Effort
@@ -270,6 +270,31 @@ def test_grains_and_largest_values():
     assert grain(by_label["F8"]) == pytest.approx(1.35e-33, rel=0.01)
     assert largest(by_label["F5"]) == pytest.approx(465 * 1.28**4 + 1)
     assert largest(by_label["F6"]) is None
+
+
+ACKLEYS = 2.0**-48
+"""Step of Ackley's function near its least value."""
+
+
+@pytest.mark.parametrize(
+    ("text", "finals", "statistic", "step", "outcome"),
+    [
+        ("6.4863 x 10^-16", [4e-15] * 25 + [7.6e-15] * 5, Statistic.STD, ACKLEYS, Outcome.REPRODUCED),
+        ("8.8818e-16", [4.44089e-15] * 30, Statistic.MEAN, ACKLEYS, Outcome.REPRODUCED),
+        ("5.39 x 10^-15", [4.44e-16, 4e-15, 4e-15] * 10, Statistic.MEAN, ACKLEYS, Outcome.REPRODUCED),
+        ("0", [4.44e-16] * 30, Statistic.BEST, ACKLEYS, Outcome.REPRODUCED),
+        ("2.0e-14", [4e-15] * 30, Statistic.MEAN, ACKLEYS, Outcome.SAME_ORDER),
+        ("0", [0.0] * 28 + [1.0] * 2, Statistic.MEAN, 0.0, Outcome.WORSE),
+    ],
+)
+def test_numbers_closer_than_a_functions_rounding_are_the_same(text, finals, statistic, step, outcome):
+    assert rules.stochastic(text, finals, statistic, RUNS, rounding=step).outcome is outcome
+
+
+def test_the_rounding_of_a_function_is_none_of_its_stairs():
+    by_label = {f.label: f for f in benchmarks_of("woodworking-golds-pso")}
+    assert rounding(by_label["F6"]) == pytest.approx(ACKLEYS, rel=1e-9)
+    assert [rounding(by_label[label]) for label in ("F1", "F4")] == [0.0, 0.0]
 
 
 def test_a_value_outside_its_extremes():
