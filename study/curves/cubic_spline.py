@@ -48,7 +48,7 @@ def swept(off: Floats, diagonal: Floats, right: Floats) -> Floats:
     -------
     array of shape (n_candidates, n, n_joints)
     """
-    beside, pivots, result = (np.moveaxis(part, 0, -1).copy() for part in (off, diagonal, right))
+    beside, pivots, result = (np.moveaxis(part, 0, -1).astype(float, order="C") for part in (off, diagonal, right))
     factors = np.empty_like(beside)
     for i in range(len(beside)):
         np.divide(beside[i], pivots[i], out=factors[i])

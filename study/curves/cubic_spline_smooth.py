@@ -53,7 +53,7 @@ def accelerations(waypoints: Floats, durations: Floats) -> Floats:
 
 def halved(durations: Floats) -> Floats:
     """Durations of the pieces, shape (n_candidates, n_segments + 2), s: the outer segments stand twice, halved."""
-    pieces = np.concatenate([durations[:, :1], durations, durations[:, -1:]], axis=1)
+    pieces = np.concatenate([durations[:, :1], durations, durations[:, -1:]], axis=1, dtype=float)
     pieces[:, [0, 1, -2, -1]] /= 2
     return pieces
 

@@ -163,3 +163,12 @@ def test_families_state_their_ends():
         "cubic-spline-smooth": EndCondition.SMOOTH,
         "bspline": EndCondition.FREE,
     }
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_whole_numbers_are_waypoints_and_durations_too(name):
+    waypoints = np.array([[0, 1], [2, 3], [1, 5], [4, 4]])
+    durations = np.array([[1, 2, 1], [2, 1, 3]])
+    curve = curve_named(name)
+    exact = curve.peaks(waypoints.astype(float), durations.astype(float))
+    np.testing.assert_array_equal(curve.peaks(waypoints, durations), exact)
