@@ -106,6 +106,8 @@ TYPES = {
     "tuple[float, ...]": pa.list_(pa.float32()),
 }
 SCHEMA = pa.schema([(field.name, TYPES[str(field.type)]) for field in fields(Run)])
+SPLIT = ["duration", "wall_time", "curve_above.list.element"]
+"""Columns of real numbers, whose bytes are kept place by place in the file, which is a third smaller so."""
 
 
 def runs_of(results: Iterable[Result], cases: Mapping[str, Case]) -> list[Run]:
@@ -173,7 +175,8 @@ def runs_file(suite: Suite) -> Path:
 def write_runs(path: Path, runs: Sequence[Run]) -> None:
     """Write runs as a Parquet file."""
     columns = {name: [getattr(run, name) for run in runs] for name in SCHEMA.names}
-    pq.write_table(pa.table(columns, schema=SCHEMA), path, compression="zstd")
+    table = pa.table(columns, schema=SCHEMA)
+    pq.write_table(table, path, compression="zstd", use_dictionary=False, use_byte_stream_split=SPLIT)
 
 
 def added(runs: Sequence[Run], committed: Sequence[Run]) -> list[Run]:
