@@ -40,9 +40,10 @@ def committed_law(suite: Suite) -> str:
 
 
 def law_in_markdown(suites: Sequence[Suite]) -> str:
-    """Tell the law of several suites' committed runs at the largest budget, each in one point of a list."""
+    """Tell the law of several suites' committed runs at the largest budget of all, each in one point of a list."""
     fields = [(suite.name, committed_field(suite)) for suite in suites]
-    return "\n".join(f"- *{name}*: {paragraph(field, largest_budget(field))}" for name, field in fields)
+    budget = min(largest_budget(field) for _, field in fields)
+    return "\n".join(f"- *{name}*: {paragraph(field, budget)}" for name, field in fields)
 
 
 def committed_field(suite: Suite) -> Field:
