@@ -20,8 +20,9 @@ from study.suites.runs import Run
 def expense(suite: Suite, field: Field) -> str:
     """Say what the whole line-up of a suite costs on one processor, and how much of it is committed; empty for the papers.
 
-    A cell costs the median of the committed runs of its planner on its problem, in proportion to the evaluations. Without
-    such runs it costs the planner's median for one segment times the segments, and never more than its time limit.
+    A cell costs the median of the committed runs of its planner on its problem with its budget, or, without such runs, of all
+    budgets in proportion to the evaluations. Without these it costs the planner's median for one segment times the segments,
+    and never more than its time limit.
     """
     if suite.name == PAPERS:
         return ""
@@ -52,16 +53,18 @@ def _budget(cell: Cell) -> int:
 
 def _seconds(cells: Sequence[Cell], runs: Sequence[Run], segments: dict[str, int]) -> dict[Cell, float]:
     """Wall time of every cell, s; without those of planners of which no run is committed."""
-    on, usual = defaultdict[tuple[str, str], list[float]](list), defaultdict[str, list[float]](list)
+    exactly, on = defaultdict[tuple[str, str, int], list[float]](list), defaultdict[tuple[str, str], list[float]](list)
+    usual = defaultdict[str, list[float]](list)
     for run in runs:
         rate = run.wall_time / (run.evaluations or 1)
+        exactly[run.planner, run.problem, run.evaluations].append(rate)
         on[run.planner, run.problem].append(rate)
         usual[run.planner].append(rate / run.segments)
     costs = {}
     for cell in cells:
         if cell.planner not in usual:
             continue
-        known = on.get((cell.planner, cell.case))
+        known = exactly.get((cell.planner, cell.case, _budget(cell))) or on.get((cell.planner, cell.case))
         rate = float(np.median(known)) if known else float(np.median(usual[cell.planner])) * segments[cell.case]
         costs[cell] = min(rate * (_budget(cell) or 1), cell.settings.time_limit)
     return costs
