@@ -135,7 +135,7 @@ def test_the_committed_law_holds(name):
 def test_the_law_holds_on_the_second_seed():
     """At the last size the searches stand in nearly the same order, with nearly the same gaps."""
     grown = [_last_gaps(name) for name in ("scaling", "scaling-second")]
-    for budget in (1000, 10_000):
+    for budget in (1000, 10_000, 100_000):
         last = [{name: gap for (evaluations, name), gap in each.items() if evaluations == budget} for each in grown]
         assert last[0].keys() == last[1].keys()
         pairs = np.array([[gaps[name] for name in sorted(gaps)] for gaps in last])
