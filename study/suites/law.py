@@ -40,7 +40,7 @@ def committed_law(suite: Suite) -> str:
 
 
 def law_in_markdown(suites: Sequence[Suite]) -> str:
-    """Tell the law of several suites' committed runs at the largest budget of all, each in one point of a list."""
+    """Tell the law of several suites' committed runs, each in one point of a list, at the largest budget that all have."""
     fields = [(suite.name, committed_field(suite)) for suite in suites]
     budget = min(largest_budget(field) for _, field in fields)
     return "\n".join(f"- *{name}*: {paragraph(field, budget)}" for name, field in fields)
